@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <functional>
-#include <ranges>
 #include <utility>
+#include <vector>
 
 #include "victorious/base/stage_time.h"
 #include "victorious/geometry/angles.h"
@@ -12,11 +12,17 @@
 namespace victorious {
 namespace {
 
-// True if a detection explains what another one rests on: the same model there, or another one with more evidence.
-bool Explains(const Detection& a, const Detection& b) {
+bool AreInOnePlace(const Detection& a, const Detection& b) {
   constexpr double kMinOverlap = 0.3;
-  return IntersectionOverUnion(a.box, b.box) >= kMinOverlap &&
-         (a.model_index == b.model_index || a.neg_log10_nfa >= b.neg_log10_nfa);
+  return IntersectionOverUnion(a.box, b.box) >= kMinOverlap;
+}
+
+// True if a detection by keypoints explains what one by shape rests on: one with more evidence, or of the same model,
+// unless the shape was examined, too.
+bool Explains(const Detection& by_keypoints, const ShapeDetection& by_shape) {
+  if (!AreInOnePlace(by_keypoints, by_shape.detection)) return false;
+  return by_keypoints.neg_log10_nfa >= by_shape.detection.neg_log10_nfa ||
+         (by_keypoints.model_index == by_shape.detection.model_index && !by_shape.is_examined);
 }
 
 }  // namespace
@@ -33,18 +39,29 @@ Status AddShapeDetections(const ShapeSearch& shapes, const cv::Mat& image, const
   const StageScope scope(Stage::kShape);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ShapeMatch> matches,
                               shapes.Find(image, conditions, NegLog10NfaOf(options.min_score)));
-  const std::size_t by_keypoints = detections.size();
   const Box frame = FrameBox(image.cols, image.rows);
+  std::vector<ShapeDetection> by_shape;
   for (const ShapeMatch& match : matches) {
     VICTORIOUS_ASSIGN_OR_RETURN(Detection detection, shapes.MakeDetection(match, features));
     if (FractionInside(detection.outline, frame) < options.min_in_view) continue;
     if (std::min(detection.box.width, detection.box.height) < options.min_side_px) continue;
-    const auto is_explained = [&](const Detection& one) { return Explains(one, detection); };
-    if (std::ranges::any_of(detections | std::views::take(by_keypoints), is_explained)) continue;
-    detections.push_back(std::move(detection));
+    by_shape.push_back({.detection = std::move(detection), .is_examined = match.is_examined});
   }
-  std::ranges::stable_sort(detections, std::greater{}, &Detection::score);
+  JoinDetections(std::move(by_shape), detections);
   return {};
+}
+
+void JoinDetections(std::vector<ShapeDetection> by_shape, std::vector<Detection>& detections) {
+  std::erase_if(by_shape, [&](const ShapeDetection& one) {
+    return std::ranges::any_of(detections, [&](const Detection& other) { return Explains(other, one); });
+  });
+  std::erase_if(detections, [&](const Detection& by_keypoints) {
+    return std::ranges::any_of(by_shape, [&](const ShapeDetection& one) {
+      return one.detection.model_index == by_keypoints.model_index && AreInOnePlace(one.detection, by_keypoints);
+    });
+  });
+  for (ShapeDetection& one : by_shape) detections.push_back(std::move(one.detection));
+  std::ranges::stable_sort(detections, std::greater{}, &Detection::score);
 }
 
 void SetShapeErrors(ObjectPose& object_pose, const ShapeSearchOptions& options) {

@@ -25,14 +25,24 @@ namespace victorious {
 [[nodiscard]] double ShapeSearchInterval(const ShapeSearchOptions& options, const FollowOptions& follow,
                                          double tracked_rate, double spacing);
 
-/// Adds what is found by shape to the detections, by falling score: unless a detection by keypoints lies there, of the
-/// same model or with more evidence. Their minimum score is options.min_score, too.
+/// Adds what is found by shape to the detections by keypoints (JoinDetections). Their minimum score is
+/// options.min_score, too.
 /// @param image     the frame, CV_8UC1, without impulse noise
 /// @param features  of the frame; gets the points of the added detections (ShapeSearch::MakeDetection)
 /// Errors: those of ShapeSearch::Find.
 [[nodiscard]] Status AddShapeDetections(const ShapeSearch& shapes, const cv::Mat& image,
                                         const FrameConditions& conditions, const DetectOptions& options,
                                         FeatureSet& features, std::vector<Detection>& detections);
+
+struct ShapeDetection {
+  Detection detection;
+  bool is_examined = false;  ///< ShapeMatch
+};
+
+/// Joins detections by shape to those by keypoints, by falling score. Of two in one place the one with more evidence
+/// stays; of the same model one by shape that was not examined never replaces one by keypoints. Few keypoints that
+/// agree give a worse pose than the edges.
+void JoinDetections(std::vector<ShapeDetection> by_shape, std::vector<Detection>& detections);
 
 /// Raises the standard deviations of an object pose to those of a match by shape: its points are where the match puts
 /// them, so that their errors are common.

@@ -26,6 +26,37 @@ TEST(ShapeSearchInterval, EndsBeforeATrackDoes) {
   EXPECT_EQ(ShapeSearchInterval(options, follow, 60, 1), 2);
 }
 
+Detection DetectionAt(std::size_t model, double x_px, double decades) {
+  Detection detection{.model_index = model, .view = 0};
+  detection.box = {x_px, 0, 100, 50};
+  detection.neg_log10_nfa = decades;
+  detection.score = ComputeScore(decades);
+  return detection;
+}
+
+TEST(JoinDetections, OfOneModelTheOneWithMoreEvidenceStays) {
+  std::vector<Detection> detections = {DetectionAt(0, 0, 2), DetectionAt(0, 500, 20)};
+  JoinDetections({{DetectionAt(0, 10, 5), true}, {DetectionAt(0, 490, 5), true}}, detections);
+  ASSERT_EQ(detections.size(), 2U);
+  EXPECT_EQ(detections[0].neg_log10_nfa, 20) << "by keypoints";
+  EXPECT_EQ(detections[1].box.x, 10) << "by shape";
+}
+
+TEST(JoinDetections, AShapeThatWasNotExaminedReplacesNothing) {
+  std::vector<Detection> detections = {DetectionAt(0, 0, 2)};
+  JoinDetections({{DetectionAt(0, 10, 5), false}}, detections);
+  ASSERT_EQ(detections.size(), 1U);
+  EXPECT_EQ(detections[0].box.x, 0);
+}
+
+TEST(JoinDetections, AnotherModelIsAnotherHypothesis) {
+  std::vector<Detection> detections = {DetectionAt(0, 0, 2)};
+  JoinDetections({{DetectionAt(1, 10, 5), true}, {DetectionAt(2, 0, 1), true}}, detections);
+  ASSERT_EQ(detections.size(), 2U) << "the one with less evidence is explained";
+  EXPECT_EQ(detections[0].model_index, 1U);
+  EXPECT_EQ(detections[1].model_index, 0U);
+}
+
 TEST(SetShapeErrors, RaisesWhatIsTooSmall) {
   ShapeSearchOptions options;
   ObjectPose exact{.sigma_rad = 1e-6, .range_m = 100, .sigma_range_m = 0.1};

@@ -143,6 +143,7 @@ ObservedObject Follower::AssignToTrack(const Detection& detection, const Feature
     Confirm(*track, detection, features, time_s);
     TrackRecord& followed = tracks_.at(*track);
     followed.max_full_frame_score = std::max(followed.max_full_frame_score, detection.score);
+    followed.full_frame_cue = detection.cue;
     seen.track = followed.number;
     return seen;
   }
@@ -150,6 +151,7 @@ ObservedObject Follower::AssignToTrack(const Detection& detection, const Feature
   if (step.state != TrackState::kActive) return seen;
   tracks_[step.track] = {.last = detection,
                          .max_full_frame_score = detection.score,
+                         .full_frame_cue = detection.cue,
                          .number = ++last_number_,
                          .recognised = 1,
                          .searched_time_s = time_s};
@@ -176,9 +178,9 @@ Status Follower::SearchByKeypoints(const FrameConditions& conditions, Region& re
   return {};
 }
 
-// Where the tracked points, or the motion of the image, put the object.
+// Where the tracked points, or the motion of the image, put the object. What was found by keypoints stays unless the
+// shape says more: few keypoints that agree give a worse pose than the edges.
 Status Follower::SearchByShape(const Frame& frame, const FrameConditions& conditions, Region& region) const {
-  constexpr double kMinNegLog10Nfa = 4;
   const TrackRecord& followed = tracks_.at(region.step.track);
   const Detection& last = followed.last;
   const Box before = BoundingBox(last.outline);
@@ -186,8 +188,9 @@ Status Follower::SearchByShape(const Frame& frame, const FrameConditions& condit
   const Eigen::Vector2d shift_px(now.x + now.width / 2 - before.x - before.width / 2,
                                  now.y + now.height / 2 - before.y - before.height / 2);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> match,
-                              shapes_->FindAgain(frame.image, conditions, last, shift_px, kMinNegLog10Nfa));
+                              shapes_->FindAgain(frame.image, conditions, last, shift_px));
   if (!match) return {};
+  if (region.found && (!match->is_examined || region.found->neg_log10_nfa >= match->neg_log10_nfa)) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(Detection detection, shapes_->MakeDetection(*match, *region.features));
   detection.score = std::min(detection.score, followed.max_full_frame_score);
   region.found = std::move(detection);
@@ -199,8 +202,7 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
   region.features = FeaturesIn(frame.image, region.step.search_box, extractor_);
   if (!region.features) return;
   Status searched = SearchByKeypoints(conditions, region);
-  if (searched && !region.found && shapes_ != nullptr &&
-      tracks_.at(region.step.track).last.cue == DetectionCue::kShape) {
+  if (searched && shapes_ != nullptr && tracks_.at(region.step.track).full_frame_cue == DetectionCue::kShape) {
     searched = SearchByShape(frame, conditions, region);
   }
   if (!searched) region.features = std::unexpected(std::move(searched).error());

@@ -113,8 +113,10 @@ class Follower {
   // State of an active track, apart from its position.
   struct TrackRecord {
     Detection last;  // last recognition
-    double max_full_frame_score =
-        0;  // highest score of its full-frame detections; the upper bound of a score found in its region
+    // The highest score of its full-frame detections, the upper bound of a score found in its region; the cue of the
+    // last one.
+    double max_full_frame_score = 0;
+    DetectionCue full_frame_cue = DetectionCue::kKeypoints;
     std::int64_t number = 0;  // track id, by its first frame: does not depend on where the index was interrupted
     int recognised = 0;
     double searched_time_s = 0;  // of the last frame in which its region was searched or it was recognised

@@ -14,7 +14,7 @@ constexpr double kMinAlignment = 0.85;  // cosine between a gradient and the nor
 
 }  // namespace
 
-ImageEdges FindEdges(const cv::Mat& grey, double sigma_px) {
+ImageEdges FindEdges(const cv::Mat& grey, double sigma_px, double min_gradient) {
   cv::Mat smooth = grey;
   if (sigma_px > 0) cv::GaussianBlur(grey, smooth, {}, sigma_px);
   ImageEdges edges;
@@ -26,7 +26,7 @@ ImageEdges FindEdges(const cv::Mat& grey, double sigma_px) {
   for (int row = 1; row < grey.rows - 1; ++row) {
     for (int column = 1; column < grey.cols - 1; ++column) {
       const float magnitude = edges.magnitude.at<float>(row, column);
-      if (magnitude < kMinEdgeGradient) continue;
+      if (magnitude < min_gradient) continue;
       const int right = static_cast<int>(std::lround(edges.x.at<float>(row, column) / magnitude));
       const int down = static_cast<int>(std::lround(edges.y.at<float>(row, column) / magnitude));
       if (magnitude >= edges.magnitude.at<float>(row + down, column + right) &&
@@ -43,7 +43,8 @@ int OrientationBin(double x, double y, int bins) {
   return bin < 0 ? bin + bins : bin;
 }
 
-ContourImage::ContourImage(const cv::Mat& grey) : grey_(grey), edges_(FindEdges(grey, kSmoothing_px)) {
+ContourImage::ContourImage(const cv::Mat& grey, double min_gradient)
+    : grey_(grey), min_gradient_(min_gradient), edges_(FindEdges(grey, kSmoothing_px, min_gradient)) {
   for (cv::Mat& near : near_) near = cv::Mat::zeros(grey.size(), CV_8U);
   for (int row = 0; row < grey.rows; ++row) {
     for (int column = 0; column < grey.cols; ++column) {
@@ -68,7 +69,7 @@ double ContourImage::GradientAlong(const Eigen::Vector2d& at_px, const Eigen::Ve
   const int row = static_cast<int>(std::floor(at_px.y()));
   if (column < 0 || row < 0 || column >= grey_.cols || row >= grey_.rows) return 0;
   const double magnitude = edges_.magnitude.at<float>(row, column);
-  if (magnitude < kMinEdgeGradient) return 0;
+  if (magnitude < min_gradient_) return 0;
   const double along =
       std::abs(edges_.x.at<float>(row, column) * normal.x() + edges_.y.at<float>(row, column) * normal.y());
   return along >= kMinAlignment * magnitude ? along : 0;

@@ -1,6 +1,6 @@
-// Private to recognize/, for ContourSearch: the edges of an image. An edge pixel is a maximum of the gradient's
-// magnitude along the gradient, of kMinEdgeGradient grey levels a pixel or more. Orientations are those of the edge's
-// normal; the sign of the contrast does not count.
+// Private to recognize/, for ContourSearch and ShapeSearch: the edges of an image. An edge pixel is a maximum of the
+// gradient's magnitude along the gradient, of kMinEdgeGradient grey levels a pixel or more, in an enlarged image as
+// much less. Orientations are those of the edge's normal; the sign of the contrast does not count.
 #pragma once
 
 #include <array>
@@ -23,16 +23,18 @@ struct ImageEdges {
 };
 
 /// @param grey      CV_8UC1
-/// @param sigma_px  of the Gaussian before; 0: none
-[[nodiscard]] ImageEdges FindEdges(const cv::Mat& grey, double sigma_px);
+/// @param sigma_px      of the Gaussian before; 0: none
+/// @param min_gradient  of an edge, grey levels a pixel
+[[nodiscard]] ImageEdges FindEdges(const cv::Mat& grey, double sigma_px, double min_gradient = kMinEdgeGradient);
 
 /// The orientation of a normal, of `bins` in half a turn.
 [[nodiscard]] int OrientationBin(double x, double y, int bins);
 
 class ContourImage {
  public:
-  /// @param grey  CV_8UC1
-  explicit ContourImage(const cv::Mat& grey);
+  /// @param grey          CV_8UC1
+  /// @param min_gradient  of an edge, grey levels a pixel
+  explicit ContourImage(const cv::Mat& grey, double min_gradient = kMinEdgeGradient);
 
   [[nodiscard]] const cv::Mat& grey() const { return grey_; }
   [[nodiscard]] Eigen::Vector2d centre_px() const { return {grey_.cols / 2.0, grey_.rows / 2.0}; }
@@ -49,6 +51,7 @@ class ContourImage {
 
  private:
   cv::Mat grey_;
+  double min_gradient_;
   ImageEdges edges_;
   std::array<cv::Mat, kEdgeOrientations> near_;  // CV_8UC1: HasEdge
   std::array<cv::Mat, kEdgeOrientations> sums_;  // CV_32SC1: integral images of these

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/geometry/angles.h"
@@ -17,8 +18,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kMaxEnlargement = 2;  // of the frame: more shows no more
-constexpr double kMinObject_px = 24;   // diagonal of the bounding box in the frame
-constexpr double kMinDown = 0.25;      // cosine of the off-nadir angle: views end at 70 degrees
+constexpr std::array kFinerSizes_px = {136.0, 192.0};
+constexpr double kMaxFinerEnlargement = 4;
+constexpr double kContourSurroundings = 1.6;  // side of what is cut around an object, over its size
+constexpr double kMinObject_px = 24;          // diagonal of the bounding box in the frame
+constexpr double kMinDown = 0.25;             // cosine of the off-nadir angle: views end at 70 degrees
 constexpr double kTileOffNadir_rad = RadiansFromDegrees(6);
 constexpr int kOffNadirStep_deg = 5;
 constexpr int kCoarseOffNadirStep_deg = 10;
@@ -29,8 +33,8 @@ constexpr std::size_t kMaxGlances = 40;         // of a model in a tile
 constexpr std::size_t kMaxAssumedGlances = 10;  // of a model, in a frame, of one assumed view
 constexpr std::size_t kGlanceHeadings = 2;      // on either side of that of a glance, and of the opposite one
 constexpr int kGlanceReach = 2;                 // cells
-constexpr double kMinCoarseResponse = 5.2;
-constexpr double kMinFineResponse = 5.5;         // of the coarse heading
+constexpr double kMinCoarseResponse = 4.6;
+constexpr double kMinFineResponse = 4.8;         // of the coarse heading
 constexpr double kFineReach_px = 8;              // of a fine template around the coarse place
 constexpr double kMinAssumedFineResponse = 4.5;  // of the coarse heading, size and off-nadir angle
 constexpr double kSizeStep = 0.125;              // octaves: half of the step between assumed sizes
@@ -60,14 +64,8 @@ std::optional<LocalView> ViewAt(const FrameConditions& conditions, const Vector2
   return view;
 }
 
-// The size of a model's templates in a place, and the scale at which the frame is compared with them.
-struct TemplateSize {
-  int eighth_octaves = 0;
-  double scale = 1;  // pixels of the template per pixel of the frame
-};
-
-TemplateSize ChooseSize(double object_px, double wanted_px) {
-  const double size_px = std::min(wanted_px, kMaxEnlargement * object_px);
+TemplateSize ChooseSize(double object_px, double wanted_px, double max_enlargement = kMaxEnlargement) {
+  const double size_px = std::min(wanted_px, max_enlargement * object_px);
   TemplateSize size{.eighth_octaves = static_cast<int>(std::ceil(8 * std::log2(kFineSize_px / size_px) - 1e-9))};
   size.scale = kFineSize_px * std::exp2(-size.eighth_octaves / 8.0) / object_px;
   return size;
@@ -219,12 +217,17 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Match(const FramePyramid& 
                                                             int headings) const {
   const auto view = place.assumed ? place.assumed : ViewAt(conditions, place.at_px, centre_height_m_);
   if (!view) return std::optional<ShapeMatch>();
-  const double object_px = diagonal_m_ * view->pixels_per_m;
-  const TemplateSize size = ChooseSize(object_px, kFineSize_px);
-  VICTORIOUS_ASSIGN_OR_RETURN(const ShapeBank bank, FineBank(*view, size.eighth_octaves, place.azimuth_deg, headings));
+  return MatchView(frame, *view, place, ChooseSize(diagonal_m_ * view->pixels_per_m, kFineSize_px), headings);
+}
+
+// The best match of templates of one size around a place.
+Expected<std::optional<ShapeMatch>> ModelShapeSearch::MatchView(const FramePyramid& frame, const LocalView& view,
+                                                                const Place& place, const TemplateSize& size,
+                                                                int headings) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const ShapeBank bank, FineBank(view, size.eighth_octaves, place.azimuth_deg, headings));
   if (bank.templates.empty()) return std::optional<ShapeMatch>();
   const double side_px = (kCellSide_px * bank.window + 2 * kFineReach_px) / size.scale;
-  const UprightPart part = CutUpright(frame, place.at_px, {side_px, side_px}, size.scale, view->lean_rad);
+  const UprightPart part = CutUpright(frame, place.at_px, {side_px, side_px}, size.scale, view.lean_rad);
   if (part.grey.empty()) return std::optional<ShapeMatch>();
   const GradientCells cells = MakeGradientCells(part.grey);
   const cv::Size map(cells.columns / kCellStride, cells.rows / kCellStride);
@@ -249,13 +252,81 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Match(const FramePyramid& 
   const Vector2d to_middle = Vector2d::Constant(kCellSide_px * (bank.window / 2));
   std::optional<ShapeMatch> best =
       ShapeMatch{.model_index = model_,
-                 .to_camera = {RadiansFromDegrees(found.azimuth_deg), view->off_nadir_rad},
+                 .to_camera = {RadiansFromDegrees(found.azimuth_deg), view.off_nadir_rad},
                  .centre_px = part.ToFrame(corner + to_middle + kCellStep_px * PeakOffset(responses, at)),
-                 .pixels_per_m = view->pixels_per_m,
-                 .lean_rad = view->lean_rad,
+                 .pixels_per_m = view.pixels_per_m,
+                 .lean_rad = view.lean_rad,
                  .paint = found.paint,
                  .response = highest};
   return best;
+}
+
+Expected<std::optional<ShapeMatch>> ModelShapeSearch::Examine(const FramePyramid& frame,
+                                                              const FrameConditions& conditions,
+                                                              const ShapeMatch& match) const {
+  const auto view = ViewAt(conditions, match.centre_px, centre_height_m_);
+  if (!view) return std::optional<ShapeMatch>();
+  VICTORIOUS_ASSIGN_OR_RETURN(const double response, MeanResponse(frame, *view, match));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<FittedContours> fitted,
+                              FitContours(frame, *view, conditions.vertical->pinhole.fx, match));
+  if (!fitted) return std::optional<ShapeMatch>();
+  fitted->evidence.response = response;
+  ShapeMatch examined = match;
+  examined.centre_px = fitted->centre_px;
+  examined.to_camera.azimuth_rad = WrapAngle(match.to_camera.azimuth_rad + fitted->azimuth_change_rad);
+  examined.neg_log10_nfa = NegLog10NfaOf(fitted->evidence);
+  examined.is_examined = true;
+  return std::optional(examined);
+}
+
+// The mean response of templates of the fine size and of larger ones. Those of a small object have all one size.
+Expected<double> ModelShapeSearch::MeanResponse(const FramePyramid& frame, const LocalView& view,
+                                                const ShapeMatch& match) const {
+  const Place place{.model = model_,
+                    .at_px = match.centre_px,
+                    .azimuth_deg = Quantised(match.to_camera.azimuth_rad, kFineHeadingStep_deg),
+                    .assumed = {}};
+  double sum = match.response;
+  int count = 1;
+  std::optional<TemplateSize> last;
+  for (const double size_px : kFinerSizes_px) {
+    const TemplateSize size = ChooseSize(diagonal_m_ * view.pixels_per_m, size_px, kMaxFinerEnlargement);
+    if (size == last) continue;
+    last = size;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> finer, MatchView(frame, view, place, size, 1));
+    if (!finer) continue;
+    sum += finer->response;
+    ++count;
+  }
+  return sum / count;
+}
+
+// The pose of a match refined on the edges of the frame, as if it lay on the optical axis. std::nullopt where there are
+// no contours, or the object is too small for them.
+Expected<std::optional<ModelShapeSearch::FittedContours>> ModelShapeSearch::FitContours(const FramePyramid& frame,
+                                                                                        const LocalView& view,
+                                                                                        double focal_px,
+                                                                                        const ShapeMatch& match) const {
+  const double object_px = diagonal_m_ * view.pixels_per_m;
+  const double scale = ChooseSize(object_px, kFinerSizes_px.back(), kMaxFinerEnlargement).scale;
+  const double side_px = kContourSurroundings * object_px;
+  const UprightPart part = CutUpright(frame, match.centre_px, {side_px, side_px}, scale, view.lean_rad);
+  if (part.grey.empty()) return std::optional<FittedContours>();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const ContourModel> contours,
+                              templates_.GetContours(model_, match.to_camera));
+  const ContourImage image(part.grey, kMinEdgeGradient / std::max(1.0, scale));
+  const ContourPose start{CameraFromModel(match.to_camera).toRotationMatrix(),
+                          Vector3d(0, 0, focal_px / view.pixels_per_m), scale * focal_px};
+  const ContourPose refined = RefineContourPose(*contours, image, start, {.free_focal = false});
+  const ContourEvidence edges = EvidenceOf(*contours, image, refined);
+  if (edges.decades == 0) return std::optional<FittedContours>();
+  const Vector3d& centre = refined.centre_in_camera_m;
+  const Eigen::AngleAxisd turn(refined.camera_from_model * start.camera_from_model.transpose());
+  return FittedContours{.evidence = {.contour_mean = edges.mean,
+                                     .distance_change = std::log(centre.z() / start.centre_in_camera_m.z()),
+                                     .turn_rad = turn.angle()},
+                        .centre_px = part.ToFrame(image.centre_px() + refined.focal_px * centre.head<2>() / centre.z()),
+                        .azimuth_change_rad = turn.angle() * turn.axis().dot(start.camera_from_model.col(2))};
 }
 
 // The best places of templates of half the coarse size, as many as `most`.

@@ -12,6 +12,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "victorious/base/error.h"
+#include "victorious/search/recognize/shape_evidence.h"
 #include "victorious/search/recognize/shape_search.h"
 #include "victorious/search/recognize/shape_templates.h"
 #include "victorious/search/recognize/upright_part.h"
@@ -30,6 +31,14 @@ struct LocalView {
   double pixels_per_m = 1;                  ///< of an object whose centre is `centre_height_m` above the ground
   std::optional<int> sun_azimuth_deg = {};  ///< relative to the line of sight
   int sun_elevation_deg = 0;
+};
+
+/// The size of a model's templates in a place, and the scale at which the frame is compared with them.
+struct TemplateSize {
+  int eighth_octaves = 0;
+  double scale = 1;  ///< pixels of the template per pixel of the frame
+
+  bool operator==(const TemplateSize&) const = default;
 };
 
 /// A part of the frame in which objects look alike but for their heading.
@@ -99,7 +108,20 @@ class ModelShapeSearch {
   [[nodiscard]] Expected<std::optional<ShapeMatch>> Match(const FramePyramid& frame, const FrameConditions& conditions,
                                                           const Place& place, int headings) const;
 
+  /// A match of fine templates with what speaks for it, by the camera, and the place and heading of the refined pose.
+  /// std::nullopt where the model has no contours, or the object is too small for them.
+  /// Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<std::optional<ShapeMatch>> Examine(const FramePyramid& frame,
+                                                            const FrameConditions& conditions,
+                                                            const ShapeMatch& match) const;
+
  private:
+  struct FittedContours {
+    ShapeEvidence evidence;         // without the response
+    Eigen::Vector2d centre_px;      // of the object's bounding box, in the frame
+    double azimuth_change_rad = 0;  // of the direction to the camera, from what was searched
+  };
+
   // A place that may be worth a closer look.
   struct Glance {
     double response = 0;
@@ -107,6 +129,13 @@ class ModelShapeSearch {
     std::size_t heading_number = 0;  // of the best template
   };
 
+  [[nodiscard]] Expected<std::optional<ShapeMatch>> MatchView(const FramePyramid& frame, const LocalView& view,
+                                                              const Place& place, const TemplateSize& size,
+                                                              int headings) const;
+  [[nodiscard]] Expected<double> MeanResponse(const FramePyramid& frame, const LocalView& view,
+                                              const ShapeMatch& match) const;
+  [[nodiscard]] Expected<std::optional<FittedContours>> FitContours(const FramePyramid& frame, const LocalView& view,
+                                                                    double focal_px, const ShapeMatch& match) const;
   [[nodiscard]] std::vector<ShapeBankKey> PlaceKeys(const LocalView& view) const;
   [[nodiscard]] std::vector<Glance> FindGlances(const PreparedPart& prepared, const FrameTile& tile,
                                                 const ShapeBank& bank, std::size_t most) const;

@@ -26,7 +26,8 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMaxPlaces = 4;  // of a model in a frame that are searched with fine templates
+constexpr std::size_t kMaxPlaces = 8;  // of a model in a frame that are searched with fine templates
+constexpr double kMinExamined = 6;     // response of fine templates: with less, evidence is not worth its cost
 constexpr double kSuppression = 0.4;   // distance of two matches over the smaller one's size
 
 }  // namespace
@@ -82,7 +83,7 @@ Expected<std::vector<Place>> BestOfEachModel(std::vector<Expected<std::vector<Pl
   return best;
 }
 
-double NegLog10Nfa(const ShapeMatch& match) {
+double NegLog10NfaOfResponse(const ShapeMatch& match) {
   const double of_paint =
       match.paint == TemplatePaint::kPlain ? kResponseOfOneFalseAlarmPlain : kResponseOfOneFalseAlarm;
   return kDecadesPerResponse * (match.response - of_paint);
@@ -97,31 +98,41 @@ const FrameConditions* ShapeSearch::CameraOf(const FrameConditions& conditions) 
 
 ModelShapeSearch ShapeSearch::SearchFor(std::size_t model) const { return {model, models_[model], *templates_}; }
 
-// The best places of each model, searched again with fine templates; of several matches in one place the largest one.
-// @param parts             results a model in `found`
-// @param decades_of_views  what is lost by searching for several views in each place
+// Places searched again with fine templates; of several matches in one place the most significant one.
+// @param decades_assumed  what is lost by assuming the view or the camera; 0: it is known
 Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& frame, const FrameConditions& conditions,
-                                                          std::vector<Expected<std::vector<Place>>>& found,
-                                                          std::size_t parts, double decades_of_views,
+                                                          std::span<const Place> places, double decades_assumed,
                                                           double min_neg_log10_nfa) const {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, parts));
   std::vector<Expected<std::optional<ShapeMatch>>> refined(places.size());
-  ParallelFor(places.size(),
-              [&](std::size_t i) { refined[i] = SearchFor(places[i].model).Refine(frame, conditions, places[i]); });
+  ParallelFor(places.size(), [&](std::size_t i) {
+    refined[i] = SearchFor(places[i].model).Refine(frame, conditions, places[i]);
+    if (refined[i] && *refined[i]) refined[i] = Judge(frame, conditions, **refined[i], decades_assumed);
+  });
   std::vector<ShapeMatch> all;
   for (Expected<std::optional<ShapeMatch>>& one : refined) {
     if (!one) return std::unexpected(std::move(one).error());
     if (*one) all.push_back(**one);
   }
   std::vector<ShapeMatch> kept = KeepApart(std::move(all));
-  for (ShapeMatch& match : kept) match.neg_log10_nfa = NegLog10Nfa(match) - decades_of_views;
   std::erase_if(kept, [&](const ShapeMatch& match) { return match.neg_log10_nfa < min_neg_log10_nfa; });
   return kept;
 }
 
-// By falling response; of several matches in one place the first one.
+// A match with its significance: by all that speaks for it, or where the camera is assumed, by its response alone,
+// because sizes are known to some per cent then. std::nullopt if it promises nothing.
+Expected<std::optional<ShapeMatch>> ShapeSearch::Judge(const FramePyramid& frame, const FrameConditions& conditions,
+                                                       ShapeMatch match, double decades_assumed) const {
+  match.neg_log10_nfa = NegLog10NfaOfResponse(match) - decades_assumed;
+  if (decades_assumed > 0) return std::optional(match);
+  if (match.response < kMinExamined) return std::optional<ShapeMatch>();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> examined,
+                              SearchFor(match.model_index).Examine(frame, conditions, match));
+  return examined.value_or(match);
+}
+
+// By falling significance; of several matches in one place the first one.
 std::vector<ShapeMatch> ShapeSearch::KeepApart(std::vector<ShapeMatch> all) const {
-  std::ranges::stable_sort(all, std::greater{}, &ShapeMatch::response);
+  std::ranges::stable_sort(all, std::greater{}, &ShapeMatch::neg_log10_nfa);
   std::vector<ShapeMatch> kept;
   for (const ShapeMatch& match : all) {
     const double size_px = templates_->diagonal_m(match.model_index) * match.pixels_per_m;
@@ -147,11 +158,15 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::Find(const cv::Mat& grey, const F
     if (templates_->surfaces(m) != nullptr)
       found[i] = SearchFor(m).FindPlaces(frame, *conditions, tiles[i % tiles.size()]);
   });
-  if (conditions == &given) return RefineBest(frame, given, found, tiles.size(), 0, min_neg_log10_nfa);
+  if (conditions == &given) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, tiles.size()));
+    return RefineBest(frame, given, places, 0, min_neg_log10_nfa);
+  }
   for (Expected<std::vector<Place>>& places : found) {
     if (places) std::erase_if(*places, [](const Place& place) { return place.size_px < kSmallestAssumed_px; });
   }
-  return RefineBest(frame, *conditions, found, tiles.size(), kDecadesOfAssumedCamera, min_neg_log10_nfa);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, tiles.size()));
+  return RefineBest(frame, *conditions, places, kDecadesOfAssumedCamera, min_neg_log10_nfa);
 }
 
 Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey, double min_neg_log10_nfa) const {
@@ -176,7 +191,8 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey
                          .pixels_per_m = sizes_px[size] / templates_->diagonal_m(m)};
     found[i] = SearchFor(m).FindAssumedPlaces(prepared[size], whole, view);
   });
-  return RefineBest(frame, {}, found, views, std::log10(static_cast<double>(views)), min_neg_log10_nfa);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, views));
+  return RefineBest(frame, {}, places, std::log10(static_cast<double>(views)), min_neg_log10_nfa);
 }
 
 ShapeMatch ShapeMatchOf(const ContourMatch& match, std::size_t model_index, const cv::Size& frame) {
@@ -238,8 +254,7 @@ ContourPose PoseOf(const Detection& detection, const ObjectModel& model, const R
 }  // namespace
 
 Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, const FrameConditions& given,
-                                                           const Detection& last, const Vector2d& shift_px,
-                                                           double min_neg_log10_nfa) const {
+                                                           const Detection& last, const Vector2d& shift_px) const {
   const std::size_t m = last.model_index;
   const FrameConditions* conditions = CameraOf(given);
   if (templates_->surfaces(m) == nullptr) return std::optional<ShapeMatch>();
@@ -249,7 +264,7 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
     if (contours == contours_.end()) return std::optional<ShapeMatch>();
     const ContourPose start = PoseOf(last, models_[m], rendered, shift_px, grey.size());
     const std::optional<ContourMatch> again = FindContoursNear(contours->second, grey, start);
-    if (!again || again->neg_log10_nfa < min_neg_log10_nfa) return std::optional<ShapeMatch>();
+    if (!again || again->neg_log10_nfa < kMinDecadesUnexamined) return std::optional<ShapeMatch>();
     return ShapeMatchOf(*again, m, grey.size());
   }
   const double azimuth_deg = DegreesFromRadians(models_[m].views[last.view].angles->azimuth_rad);
@@ -258,12 +273,15 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
       .at_px = last.fit.scene_from_template.Apply(rendered.centre_px) + shift_px,
       .azimuth_deg = static_cast<int>(std::lround(azimuth_deg / kFineHeadingStep_deg)) * kFineHeadingStep_deg,
       .assumed = {}};
+  const FramePyramid pyramid(grey);
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<ShapeMatch> match,
-                              SearchFor(m).Match(FramePyramid(grey), *conditions, place, kFineHeadings));
+                              SearchFor(m).Match(pyramid, *conditions, place, kFineHeadings));
   if (!match) return match;
-  match->neg_log10_nfa = NegLog10Nfa(*match) + kDecadesOfOnePlace;
-  if (conditions != &given) match->neg_log10_nfa -= kDecadesOfAssumedCamera;
-  if (match->neg_log10_nfa < min_neg_log10_nfa) match.reset();
+  VICTORIOUS_ASSIGN_OR_RETURN(match,
+                              Judge(pyramid, *conditions, *match, conditions == &given ? 0 : kDecadesOfAssumedCamera));
+  if (!match) return match;
+  match->neg_log10_nfa += kDecadesOfOnePlace;
+  if (match->neg_log10_nfa < (match->is_examined ? kMinDecadesInOnePlace : kMinDecadesUnexamined)) match.reset();
   return match;
 }
 

@@ -9,9 +9,11 @@
 //   glance  templates of 32 px for all headings, 10 degrees apart, lit from above, over the whole frame: some places
 //   coarse  templates of 64 px of the headings near that of a glance, around it: the best places of each model
 //   fine    templates of 96 px, 5 degrees apart, in the sun, around each of them
+//   examine larger templates, and the pose refined on the edges (shape_evidence.h): what speaks for a match
+// Where the camera is assumed, the response s of fine templates decides:
 //   -log10 NFA = kDecadesPerResponse (s - kResponseOfOneFalseAlarm)
 // The two constants describe the largest responses of frames without the object, chosen in docs/adr/0035. Of matches
-// of several models in one place the largest response counts.
+// of several models in one place the most significant counts.
 #pragma once
 
 #include <cstddef>
@@ -47,8 +49,11 @@ inline constexpr double kDecadesPerResponse = 1.3;
 inline constexpr double kFineSize_px = 96;
 inline constexpr double kCoarseSize_px = 64;
 
-/// What is gained where only a place and a heading are searched instead of a frame.
+/// What is gained where only a place and a heading are searched instead of a frame, and the -log10 NFA that a match
+/// there must reach: less for one whose size, distance and edges were examined.
 inline constexpr double kDecadesOfOnePlace = 2.5;
+inline constexpr double kMinDecadesInOnePlace = 1.5;
+inline constexpr double kMinDecadesUnexamined = 4;
 
 /// What is lost where the camera is assumed (common_view.h): sizes are known to some per cent only, and no place on the
 /// ground contradicts what looks alike.
@@ -64,6 +69,7 @@ struct ShapeMatch {
   TemplatePaint paint = TemplatePaint::kPlain;
   double response = 0;
   double neg_log10_nfa = 0;  ///< decades, of one frame and model
+  bool is_examined = false;  ///< its significance is that of all evidence (shape_evidence.h), not of its response alone
 };
 
 class FramePyramid;
@@ -114,14 +120,15 @@ class ShapeSearch {
   [[nodiscard]] Expected<bool> SearchByContours(std::span<const cv::Mat> frames, const CancelToken& cancel);
 
   /// A detection by shape found again in another frame, near where it is expected and from about the same side.
-  /// std::nullopt if it is not there. A place and a heading are tested, not all of a frame: as much as
-  /// kDecadesOfOnePlace is added to the -log10 NFA.
+  /// std::nullopt if it is not there. A place and a heading are tested, not all of a frame: kDecadesOfOnePlace is added
+  /// to the -log10 NFA. It must reach kMinDecadesInOnePlace; kMinDecadesUnexamined where the camera is assumed, or of a
+  /// match by contours.
   /// @param last      of a model that is searched for
   /// @param shift_px  of the object since then
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::optional<ShapeMatch>> FindAgain(const cv::Mat& grey, const FrameConditions& conditions,
-                                                              const Detection& last, const Eigen::Vector2d& shift_px,
-                                                              double min_neg_log10_nfa) const;
+                                                              const Detection& last,
+                                                              const Eigen::Vector2d& shift_px) const;
 
   /// A match as a detection. Its inliers are the keypoints of the model's nearest view where the match puts them:
   /// points to track and to estimate the pose by. They are appended to `features`, with descriptors of zeros.
@@ -137,9 +144,10 @@ class ShapeSearch {
   [[nodiscard]] ModelShapeSearch SearchFor(std::size_t model) const;
   [[nodiscard]] Expected<std::vector<ShapeMatch>> RefineBest(const FramePyramid& frame,
                                                              const FrameConditions& conditions,
-                                                             std::vector<Expected<std::vector<Place>>>& found,
-                                                             std::size_t parts, double decades_of_views,
+                                                             std::span<const Place> places, double decades_assumed,
                                                              double min_neg_log10_nfa) const;
+  [[nodiscard]] Expected<std::optional<ShapeMatch>> Judge(const FramePyramid& frame, const FrameConditions& conditions,
+                                                          ShapeMatch match, double decades_assumed) const;
 
   std::span<const ObjectModel> models_;
   std::unique_ptr<Templates> templates_;

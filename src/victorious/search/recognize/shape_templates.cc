@@ -18,6 +18,7 @@ namespace {
 constexpr int kSmallSide = 16;
 constexpr int kCoarseSide = 24;
 constexpr int kFineSide = 40;
+constexpr int kFinestSide = 64;
 constexpr int kReach = 4;
 // Beside the object's cells, those whose edges follow from its edges.
 constexpr int kMargin = 1;
@@ -30,6 +31,8 @@ std::size_t MaxBytes(std::size_t models) {
   constexpr std::size_t kOfModel = 1'000'000;
   return std::clamp<std::size_t>(models * kOfModel, 16'000'000, 256'000'000);
 }
+
+constexpr std::size_t kMaxContourBytes = 16'000'000;
 
 std::size_t Bytes(const ShapeBank& bank) {
   return sizeof(bank) + bank.templates.capacity() * sizeof(ShapeTemplate) +
@@ -113,7 +116,9 @@ ShapeSearch::Templates::Templates(std::span<const ObjectModel> models,
       small_(background, kSmallSide),
       coarse_(background, kCoarseSide),
       fine_(background, kFineSide),
-      made_(MaxBytes(models.size())) {
+      finest_(background, kFinestSide),
+      made_(MaxBytes(models.size())),
+      contours_(kMaxContourBytes) {
   for (std::size_t m = 0; m < models.size(); ++m) {
     const bool can_be_drawn = m < surfaces.size() && surfaces[m] != nullptr && models[m].box_m;
     surfaces_.push_back(can_be_drawn ? surfaces[m] : nullptr);
@@ -153,7 +158,19 @@ Expected<std::shared_ptr<const ShapeBank>> ShapeSearch::Templates::Get(const Sha
 
 const BackgroundSpectrum& ShapeSearch::Templates::SpectrumFor(int window) const {
   if (window <= kSmallSide - kReach) return small_;
-  return window <= kCoarseSide - kReach ? coarse_ : fine_;
+  if (window <= kCoarseSide - kReach) return coarse_;
+  return window <= kFineSide - kReach ? fine_ : finest_;
+}
+
+Expected<std::shared_ptr<const ContourModel>> ShapeSearch::Templates::GetContours(
+    std::size_t model, const ViewDirection& direction) const {
+  const std::size_t view = NearestView(model, direction);
+  if (std::shared_ptr<const ContourModel> found = contours_.Find({model, view})) return found;
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<ContourPoint> points, surfaces_[model]->GetContours(view));
+  const std::size_t bytes = sizeof(ContourModel) + points.capacity() * sizeof(ContourPoint);
+  ContourModel contours{.diagonal_m = diagonals_m_[model], .views = {}};
+  contours.views.push_back({CameraFromModel(*models_[model].views[view].angles).toRotationMatrix(), std::move(points)});
+  return contours_.Put({model, view}, std::move(contours), bytes);
 }
 
 Expected<std::vector<DrawnCells>> ShapeSearch::Templates::FindOrDraw(const ShapeBankKey& key) const {

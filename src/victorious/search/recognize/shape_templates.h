@@ -10,11 +10,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "victorious/base/error.h"
 #include "victorious/geometry/view_direction.h"
 #include "victorious/object/features/relit_templates.h"
+#include "victorious/search/recognize/contour_pose.h"
 #include "victorious/search/recognize/recent_items.h"
 #include "victorious/search/recognize/shape_search.h"
 #include "victorious/search/shape/background_spectrum.h"
@@ -92,6 +94,11 @@ class ShapeSearch::Templates {
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::shared_ptr<const ShapeBank>> Get(const ShapeBankKey& key) const;
 
+  /// The contours of the view from the direction nearest to this one, alone. Never null.
+  /// Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<std::shared_ptr<const ContourModel>> GetContours(std::size_t model,
+                                                                          const ViewDirection& direction) const;
+
  private:
   [[nodiscard]] const BackgroundSpectrum& SpectrumFor(int window) const;
   [[nodiscard]] Expected<std::vector<DrawnCells>> FindOrDraw(const ShapeBankKey& key) const;
@@ -103,7 +110,9 @@ class ShapeSearch::Templates {
   BackgroundSpectrum small_;  // for windows of up to kSmallSide - kReach cells
   BackgroundSpectrum coarse_;
   BackgroundSpectrum fine_;
+  BackgroundSpectrum finest_;
   mutable RecentItems<ShapeBankKey, ShapeBank> made_;
+  mutable RecentItems<std::pair<std::size_t, std::size_t>, ContourModel> contours_;  // by model and view
 };
 
 }  // namespace victorious
