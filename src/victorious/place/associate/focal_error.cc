@@ -146,8 +146,8 @@ FocalEstimate Combine(std::span<const FocalEstimate> estimates) {
 }
 
 // Mean, and variance about it, after the measurement. Many fields of view that are right are exact: the scale of their
-// errors, at most that of the prior, is that which the measurement shows beyond its own error (the positive part of
-// James and Stein 1961). The variance is that of the prior's scale.
+// errors, at most that of the prior, is that which the measurement shows beyond twice its own standard error (after the
+// positive part of James and Stein 1961). The variance is that of the prior's scale.
 FocalEstimate Update(double given_sigma, const FocalEstimate& measured) {
   struct Hypothesis {
     double probability;
@@ -158,7 +158,8 @@ FocalEstimate Update(double given_sigma, const FocalEstimate& measured) {
   constexpr double kWrong = kWrongFocalSigma * kWrongFocalSigma;
   const double given = given_sigma * given_sigma;
   const double right = std::min(kRight, given);
-  const double shown = std::max(0.0, measured.log_factor * measured.log_factor - measured.variance);
+  constexpr double kErrors = 2;
+  const double shown = std::max(0.0, measured.log_factor * measured.log_factor - kErrors * kErrors * measured.variance);
   const double wrong = std::clamp((given - kRight) / (kWrong - kRight), 0.0, 1.0);
   // The exponent of the hypothesis that is taken away from both, so that one of them does not underflow.
   const double square = measured.log_factor * measured.log_factor;

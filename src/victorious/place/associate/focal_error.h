@@ -16,8 +16,8 @@
 // The prior is one of two normal distributions about zero, as before any measurement (input/telemetry/focal_prior.h):
 // the field of view is right, or wrong with a probability that gives both together the standard deviation of
 // focal_shift. Many that are right are exact. The scale t of their errors is therefore estimated, too, from the
-// measurement k with the standard deviation s: t^2 = max(0, k^2 - s^2), at most that of the prior. An error of the
-// views thus shifts no place, unless they show more than it.
+// measurement k with the standard deviation s: t^2 = max(0, k^2 - 4 s^2), at most that of the prior. An error of the
+// views thus shifts no place, unless they show twice as much.
 #pragma once
 
 #include <optional>
