@@ -92,15 +92,19 @@ Geolocation FuseMoving(std::span<const ObjectInFlight* const> flights) {
 }
 
 // The mean of the flights that have one, weighted by their observations.
-std::optional<double> FuseSizeRatios(std::span<const ObjectInFlight* const> flights) {
+void FuseSizeRatios(std::span<const ObjectInFlight* const> flights, ObjectPlace& fused) {
   double sum = 0;
+  double sigmas = 0;
   double observations = 0;
   for (const ObjectInFlight* flight : flights) {
     if (!flight->relative.size_ratio) continue;
     sum += flight->observations * std::log(*flight->relative.size_ratio);
+    sigmas += flight->observations * flight->relative.size_sigma;
     observations += flight->observations;
   }
-  return observations > 0 ? std::optional(std::exp(sum / observations)) : std::nullopt;
+  if (!(observations > 0)) return;
+  fused.size_ratio = std::exp(sum / observations);
+  fused.size_sigma = sigmas / observations;
 }
 
 }  // namespace
@@ -169,7 +173,7 @@ ObjectPlace FuseFlights(std::span<const ObjectInFlight* const> flights) {
   ObjectPlace fused{.place = moves ? FuseMoving(flights) : FuseStatic(flights),
                     .path = {},
                     .heading_rad = (moves ? LastOf(flights) : BestHeadingOf(flights)).relative.heading_rad};
-  if (!moves) fused.size_ratio = FuseSizeRatios(flights);
+  if (!moves) FuseSizeRatios(flights, fused);
   double observations = 0;
   for (const ObjectInFlight* flight : flights) {
     observations += flight->observations;

@@ -431,7 +431,10 @@ ObjectPlace EstimateOfAll(std::span<const BearingObservation> observations, cons
       static_cast<double>(std::ranges::count(fix.inliers, true)) / static_cast<double>(lines.size());
   const std::optional<SizeRatio> ratio =
       size_ratio ? *size_ratio : CompareWithRanges(lines, locate, options.min_inlier_fraction);
-  if (ratio) result.size_ratio = ratio->ratio;
+  if (ratio) {
+    result.size_ratio = ratio->ratio;
+    result.size_sigma = ratio->sigma;
+  }
   result.path_size = result.path.size();
   const std::vector<std::optional<double>> headings_at_end = HeadingsAtEnd(observations, result.path);
   std::vector<double> headings;

@@ -111,7 +111,10 @@ SignificanceTest TestOf(const ObjectHypothesis& hypothesis, bool placed, double 
     recognised += static_cast<double>(tracklet->summary.recognitions);
   }
   if (recognised > 0) test.log_odds /= recognised;
-  if (placed) test.frames = std::max(1.0, test.frames * hypothesis.estimate.consistent_fraction);
+  if (placed) {
+    test.frames = std::max(1.0, test.frames * hypothesis.estimate.consistent_fraction);
+    test.log_odds += SizeLogOdds(hypothesis);
+  }
   test.false_alarms_at_even_odds = options.false_alarm_rate * tests;
   return test;
 }
@@ -186,6 +189,28 @@ void RejectPlace(std::string reason, ObjectRecord& object) {
   object.place_rejected = std::move(reason);
   object.place.reset();
   object.heading_rad.reset();
+}
+
+double SizeLogOdds(const ObjectHypothesis& hypothesis) {
+  constexpr double kSizeError_px = 0.5;
+  constexpr double kLengthError = 0.01;  // of models
+  constexpr double kOtherSizes = 0.03;
+  constexpr double kMin = -4;
+  double size_px = 0;
+  std::int64_t by_shape = 0;
+  std::int64_t recognitions = 0;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+    size_px = std::max(size_px, tracklet->summary.size_px);
+    by_shape += tracklet->summary.by_shape;
+    recognitions += tracklet->summary.recognitions;
+  }
+  const ObjectPlace& estimate = hypothesis.estimate;
+  if (!estimate.size_ratio || estimate.HasPath() || 2 * by_shape <= recognitions || !(size_px > 0)) return 0;
+  const double sigma = std::hypot(kLengthError, kSizeError_px / size_px, estimate.size_sigma);
+  const double of_others = std::hypot(sigma, kOtherSizes);
+  const double deviation = std::log(*estimate.size_ratio);
+  const double squares = deviation * deviation * (1 / (sigma * sigma) - 1 / (of_others * of_others));
+  return std::max(kMin, std::log(of_others / sigma) - squares / 2);
 }
 
 double StrengthOf(const ObjectHypothesis& hypothesis, bool placed, double tests, const ObjectOptions& options) {

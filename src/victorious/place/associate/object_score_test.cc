@@ -8,6 +8,7 @@
 
 #include "victorious/geometry/angles.h"
 #include "victorious/place/associate/associate_objects.h"
+#include "victorious/place/associate/object_rejection.h"
 
 namespace victorious {
 namespace {
@@ -92,6 +93,24 @@ TEST(ObjectScoreTest, ARejectedPlaceCostsTheScoreButNotTheFind) {
   EXPECT_LT(ScoreObject(evidence), before);
   EXPECT_GT(ScoreObject(evidence), 0.9);
   EXPECT_EQ(nlohmann::json::parse(ToJsonText(evidence))["place_weight"], -2);
+}
+
+// Another make that looks like the model has not its length; the more exactly the size is seen, the more that says.
+TEST(ObjectScoreTest, TheSizeOfWhatIsFoundByShapeCounts) {
+  ObservedTracklet tracklet;
+  tracklet.summary = {.recognitions = 20, .by_shape = 20, .size_px = 100};
+  ObjectHypothesis hypothesis{.tracklets = {&tracklet}, .estimate = {.place = Geolocation{}, .size_ratio = 1.002}};
+  const double exact = SizeLogOdds(hypothesis);
+  EXPECT_GT(exact, 0.5);
+  hypothesis.estimate.size_ratio = 0.96;
+  EXPECT_LT(SizeLogOdds(hypothesis), -2);
+  hypothesis.estimate.size_sigma = 0.1;
+  EXPECT_NEAR(SizeLogOdds(hypothesis), 0, 0.1) << "the lines of sight do not determine the distance";
+  hypothesis.estimate = {.place = Geolocation{}, .size_ratio = 1.002};
+  tracklet.summary.size_px = 20;
+  EXPECT_LT(SizeLogOdds(hypothesis), exact);
+  tracklet.summary.by_shape = 5;
+  EXPECT_EQ(SizeLogOdds(hypothesis), 0) << "found by keypoints";
 }
 
 TEST(ObjectScoreTest, RisesWithStrengthAndStaysBelowOne) {

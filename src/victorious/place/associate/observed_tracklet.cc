@@ -1,13 +1,18 @@
 #include "victorious/place/associate/observed_tracklet.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "victorious/base/median.h"
 #include "victorious/place/associate/object_rejection.h"
 
 namespace victorious {
 
 void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet) {
   tracklet.scores.push_back(sighting.score);
+  if (tracklet.is_cad_model && sighting.matches == 0) ++tracklet.by_shape;
   if (!sighting.view) return;
   const double level = std::sin(sighting.view->off_nadir_rad);
   tracklet.views.push_back(
@@ -18,8 +23,12 @@ void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet) 
 }
 
 TrackletSummary Summarise(const ObservedTracklet& tracklet) {
+  std::vector<double> sizes_px;
+  for (const Box& box : tracklet.boxes) sizes_px.push_back(std::max(box.width, box.height));
   TrackletSummary summary{.log_odds = SumLogOdds(tracklet.scores),
                           .recognitions = static_cast<std::int64_t>(tracklet.scores.size()),
+                          .by_shape = tracklet.by_shape,
+                          .size_px = sizes_px.empty() ? 0 : Median(std::move(sizes_px)),
                           .observations = static_cast<std::int64_t>(tracklet.observations.size()),
                           .views = static_cast<std::int64_t>(tracklet.views.size())};
   for (std::size_t i = 0; i < tracklet.views.size(); ++i) {

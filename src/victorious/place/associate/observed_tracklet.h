@@ -18,6 +18,8 @@ namespace victorious {
 struct TrackletSummary {
   double log_odds = 0;            ///< sum of the log odds of the recognised sightings
   std::int64_t recognitions = 0;  ///< their number
+  std::int64_t by_shape = 0;      ///< those of them that were found by shape (DetectionCue)
+  double size_px = 0;             ///< median of the longer sides of all boxes
   std::int64_t observations = 0;  ///< number of bearing observations
   std::int64_t view_steps = 0;  ///< pairs of recognised sightings in a row, with views, less than kMaxViewStep_s apart
   std::int64_t view_jumps = 0;  ///< those of them whose views are more than kViewJump_rad apart
@@ -55,6 +57,7 @@ struct ObservedTracklet {
   std::vector<std::int64_t> frames;              ///< ascending
   std::vector<Box> boxes;                        ///< one per frame
   std::vector<double> scores;                    ///< scores of the recognised (not tracked) sightings
+  std::int64_t by_shape = 0;                     ///< number of the recognised sightings that were found by shape
   std::vector<SightingView> views;               ///< views of those that have one, by time
   std::vector<BearingObservation> observations;  ///< bearing observations, by time; only of sightings that have one
   std::vector<std::int64_t> observation_frames;  ///< one per observation, ascending

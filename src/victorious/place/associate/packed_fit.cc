@@ -168,7 +168,10 @@ void PutPlace(const ObjectPlace& place, Writer& writer) {
   writer.PutCount(static_cast<std::uint64_t>(place.headings));
   writer.PutCount(static_cast<std::uint64_t>(place.contradicting_headings));
   if (writer.PutHas(place.heading_rad)) writer.Put(*place.heading_rad);
-  if (writer.PutHas(place.size_ratio)) writer.Put(*place.size_ratio);
+  if (writer.PutHas(place.size_ratio)) {
+    writer.Put(*place.size_ratio);
+    writer.Put(place.size_sigma);
+  }
   if (writer.PutHas(place.place)) PutGeolocation(*place.place, writer);
 }
 
@@ -181,7 +184,10 @@ ObjectPlace GetPlace(Reader& reader) {
   place.headings = static_cast<std::int64_t>(reader.GetCount(kMaxCount));
   place.contradicting_headings = static_cast<std::int64_t>(reader.GetCount(static_cast<std::uint64_t>(place.headings)));
   if (reader.GetHas()) place.heading_rad = reader.GetNumber(0, 2 * kPi);
-  if (reader.GetHas()) place.size_ratio = reader.GetNumber(kMinPositive);
+  if (reader.GetHas()) {
+    place.size_ratio = reader.GetNumber(kMinPositive);
+    place.size_sigma = reader.GetNumber(0);
+  }
   if (reader.GetHas()) place.place = GetGeolocation(reader);
   if (place.HasPath() && !place.place) reader.Fail();
   return place;
@@ -216,6 +222,8 @@ std::vector<std::byte> Pack(const HypothesisFits& fits) {
     const TrackletSummary& summary = fits.tracklet->summary;
     writer.Put(summary.log_odds);
     writer.PutCount(static_cast<std::uint64_t>(summary.recognitions));
+    writer.PutCount(static_cast<std::uint64_t>(summary.by_shape));
+    writer.Put(summary.size_px);
     writer.PutCount(static_cast<std::uint64_t>(summary.observations));
     writer.PutCount(static_cast<std::uint64_t>(summary.view_steps));
     writer.PutCount(static_cast<std::uint64_t>(summary.view_jumps));
@@ -248,6 +256,8 @@ std::optional<HypothesisFits> UnpackHypothesisFits(std::span<const std::byte> by
     HypothesisFits::Tracklet& tracklet = fits.tracklet.emplace();
     tracklet.summary.log_odds = reader.GetNumber();
     const std::uint64_t recognitions = reader.GetCount();
+    const std::uint64_t by_shape = reader.GetCount(recognitions);
+    tracklet.summary.size_px = reader.GetNumber(0);
     const std::uint64_t observations = reader.GetCount();
     const std::uint64_t view_steps = reader.GetCount();
     const std::uint64_t view_jumps = reader.GetCount(view_steps);
@@ -257,6 +267,7 @@ std::optional<HypothesisFits> UnpackHypothesisFits(std::span<const std::byte> by
     // A frame has one sighting.
     if (std::max({recognitions, observations, view_steps, views}) > tracklet.frames.size()) reader.Fail();
     tracklet.summary.recognitions = static_cast<std::int64_t>(recognitions);
+    tracklet.summary.by_shape = static_cast<std::int64_t>(by_shape);
     tracklet.summary.observations = static_cast<std::int64_t>(observations);
     tracklet.summary.view_steps = static_cast<std::int64_t>(view_steps);
     tracklet.summary.view_jumps = static_cast<std::int64_t>(view_jumps);

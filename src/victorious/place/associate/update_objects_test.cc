@@ -344,7 +344,7 @@ TEST(PackedFit, IsReadAsItWasWritten) {
       .on_level =
           HypothesisFits::LevelFit{.level = {200, 1.5},
                                    .place = {.relative = {.place = place, .path_size = 300}, .absolute = place}},
-      .tracklet = HypothesisFits::Tracklet{.summary = {1.5, 2, 4}, .frames = {0, 1, 500, 100'000}}};
+      .tracklet = HypothesisFits::Tracklet{.summary = {.log_odds = 1.5, .recognitions = 2, .by_shape = 1, .size_px = 80, .observations = 4}, .frames = {0, 1, 500, 100'000}}};
   const std::vector<std::byte> bytes = Pack(fits);
   const auto read = UnpackHypothesisFits(bytes);
   ASSERT_TRUE(read);
@@ -434,6 +434,8 @@ TEST_F(DamagedPackedFitTest, NumbersAreFiniteAndInTheirRange) {
     EXPECT_FALSE(IsRead(ObjectPlace{.inlier_fraction = bad}));
     EXPECT_FALSE(IsRead(ObjectPlace{.consistent_fraction = bad}));
     EXPECT_FALSE(IsRead(ObjectPlace{.size_ratio = bad}));
+    EXPECT_FALSE(IsRead(ObjectPlace{.size_ratio = 1.1, .size_sigma = bad}));
+    EXPECT_FALSE(IsRead(TrackletSummary{.size_px = bad}, {}));
     EXPECT_FALSE(IsRead(Level{bad, 1}));
     EXPECT_FALSE(IsRead(Level{200, bad}));
     EXPECT_FALSE(IsRead(TrackletSummary{.log_odds = bad}, {}));
@@ -458,6 +460,7 @@ TEST_F(DamagedPackedFitTest, FramesAscend) {
   EXPECT_FALSE(IsRead(TrackletSummary(), {3, 2})) << "a step beyond the largest frame";
   EXPECT_FALSE(IsRead(TrackletSummary(), {-1}));
   EXPECT_FALSE(IsRead(TrackletSummary{.recognitions = 2}, {3}));
+  EXPECT_FALSE(IsRead(TrackletSummary{.recognitions = 1, .by_shape = 2}, {3, 4}));
   EXPECT_FALSE(IsRead(TrackletSummary{.observations = -1}, {3}));
 }
 

@@ -273,6 +273,7 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Examine(const FramePyramid
   fitted->evidence.response = response;
   ShapeMatch examined = match;
   examined.centre_px = fitted->centre_px;
+  examined.pixels_per_m = match.pixels_per_m * std::exp(-fitted->evidence.distance_change);
   examined.to_camera.azimuth_rad = WrapAngle(match.to_camera.azimuth_rad + fitted->azimuth_change_rad);
   examined.neg_log10_nfa = NegLog10NfaOf(fitted->evidence);
   examined.is_examined = true;
