@@ -90,11 +90,14 @@ double LogOdds(double score) {
 // p). The expected number of false detections with odds above x is about 1/x of that with even odds (`false_alarm_rate`
 // per frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to
 // be false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be
-// biased. The strength is the logarithm of one over the expected number of false objects as strong.
+// biased. Frames between recognitions are tracked: they say that something stays there, not what, and up to
+// kFramesOfRecognition count for each recognition (at 30 frames a second two of three are interpolated). The strength is
+// the logarithm of one over the expected number of false objects as strong.
 //
 // kMaxFalseAlarms: maximum expected number of false detections as strong, an hour of video (search_counts.h). Chosen:
 // one hour in ten has one.
 constexpr double kMaxFalseAlarms = 0.1;
+constexpr double kFramesOfRecognition = 4;
 
 struct SignificanceTest {
   double log_odds = 0;  // of a typical frame
@@ -111,6 +114,7 @@ SignificanceTest TestOf(const ObjectHypothesis& hypothesis, bool placed, double 
     recognised += static_cast<double>(tracklet->summary.recognitions);
   }
   if (recognised > 0) test.log_odds /= recognised;
+  test.frames = std::min(test.frames, kFramesOfRecognition * recognised);
   if (placed) {
     test.frames = std::max(1.0, test.frames * hypothesis.estimate.consistent_fraction);
     test.log_odds += SizeLogOdds(hypothesis);

@@ -161,7 +161,8 @@ TEST(ObjectScoreTest, CollectsFromAllTracklets) {
   EXPECT_EQ(evidence.recognitions, 3);
   EXPECT_EQ(evidence.frames, 15);
   EXPECT_NEAR(evidence.typical_log_odds, (std::log(9.0) + std::log(99.0) + std::log(999.0)) / 3, 1e-9);
-  EXPECT_NEAR(evidence.strength, evidence.typical_log_odds + std::log(15.0) - std::log(0.016 * 1000), 1e-9);
+  EXPECT_NEAR(evidence.strength, evidence.typical_log_odds + std::log(12.0) - std::log(0.016 * 1000), 1e-9)
+      << "four frames count for each recognition";
   const auto json = nlohmann::json::parse(ToJsonText(evidence));
   EXPECT_EQ(json["recognitions"], 3);
   EXPECT_TRUE(json["size_ratio"].is_null());
