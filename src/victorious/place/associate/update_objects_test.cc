@@ -344,7 +344,9 @@ TEST(PackedFit, IsReadAsItWasWritten) {
       .on_level =
           HypothesisFits::LevelFit{.level = {200, 1.5},
                                    .place = {.relative = {.place = place, .path_size = 300}, .absolute = place}},
-      .tracklet = HypothesisFits::Tracklet{.summary = {.log_odds = 1.5, .recognitions = 2, .by_shape = 1, .size_px = 80, .observations = 4}, .frames = {0, 1, 500, 100'000}}};
+      .tracklet = HypothesisFits::Tracklet{
+          .summary = {.log_odds = 1.5, .recognitions = 2, .by_shape = 1, .size_px = 80, .observations = 4},
+          .frames = {0, 1, 500, 100'000}}};
   const std::vector<std::byte> bytes = Pack(fits);
   const auto read = UnpackHypothesisFits(bytes);
   ASSERT_TRUE(read);
