@@ -91,8 +91,8 @@ double LogOdds(double score) {
 // per frame and model), and they last one frame. An object in n consistent frames is therefore n times less likely to
 // be false. Its odds are those of a typical frame, exp(mean of the log odds): the maximum over n frames would be
 // biased. Frames between recognitions are tracked: they say that something stays there, not what, and up to
-// kFramesOfRecognition count for each recognition (at 30 frames a second two of three are interpolated). The strength is
-// the logarithm of one over the expected number of false objects as strong.
+// kFramesOfRecognition count for each recognition (at 30 frames a second two of three are interpolated). The strength
+// is the logarithm of one over the expected number of false objects as strong.
 //
 // kMaxFalseAlarms: maximum expected number of false detections as strong, an hour of video (search_counts.h). Chosen:
 // one hour in ten has one.
