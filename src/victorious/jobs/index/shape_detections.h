@@ -39,9 +39,10 @@ struct ShapeDetection {
   bool is_examined = false;  ///< ShapeMatch
 };
 
-/// Joins detections by shape to those by keypoints, by falling score. Of two in one place the one with more evidence
-/// stays; of the same model one by shape that was not examined never replaces one by keypoints. Few keypoints that
-/// agree give a worse pose than the edges.
+/// Joins detections by shape to those by keypoints, by falling score. Of two of one model in one place the one
+/// with more evidence stays, but one by shape that was not examined never replaces one by keypoints. One by shape with
+/// less evidence than one by keypoints of another model goes, too. Few keypoints that agree give a worse pose than the
+/// edges.
 void JoinDetections(std::vector<ShapeDetection> by_shape, std::vector<Detection>& detections);
 
 /// Raises the standard deviations of an object pose to those of a match by shape: its points are where the match puts

@@ -433,7 +433,9 @@ ObjectPlace EstimateOfAll(std::span<const BearingObservation> observations, cons
       size_ratio ? *size_ratio : CompareWithRanges(lines, locate, options.min_inlier_fraction);
   if (ratio) {
     result.size_ratio = ratio->ratio;
-    result.size_sigma = ratio->sigma;
+    // Sizes are proportional to the focal length; what the lines of a straight flight give is, too, but not of others.
+    const std::optional<FocalShift>& focal = lines.back().focal_shift;
+    result.size_sigma = std::hypot(ratio->sigma, focal ? focal->sigma : 0);
   }
   result.path_size = result.path.size();
   const std::vector<std::optional<double>> headings_at_end = HeadingsAtEnd(observations, result.path);

@@ -34,7 +34,7 @@ struct ObjectPlace {
   std::optional<double> size_ratio;  ///< ratio of the distance by intersection to the range by apparent size (median):
                                      ///< above 1 the object appears too large for its distance. std::nullopt if an
                                      ///< observation has no range or the lines do not intersect
-  double size_sigma = 0;             ///< of it: SizeRatio::sigma
+  double size_sigma = 0;             ///< of it, relative: SizeRatio::sigma, and of the focal length
 
   [[nodiscard]] bool HasPath() const { return path_size > 0; }
   [[nodiscard]] bool IsMoving() const { return place && (place->IsMoving() || HasPath()); }

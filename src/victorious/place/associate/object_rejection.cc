@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -200,16 +201,19 @@ double SizeLogOdds(const ObjectHypothesis& hypothesis) {
   constexpr double kLengthError = 0.01;  // of models
   constexpr double kOtherSizes = 0.03;
   constexpr double kMin = -4;
-  double size_px = 0;
+  double size_px = std::numeric_limits<double>::infinity();
+  bool is_length_wrong = false;
   std::int64_t by_shape = 0;
   std::int64_t recognitions = 0;
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
-    size_px = std::max(size_px, tracklet->summary.size_px);
+    size_px = std::min(size_px, tracklet->summary.size_px);
+    is_length_wrong = is_length_wrong || tracklet->length_factor != 1;
     by_shape += tracklet->summary.by_shape;
     recognitions += tracklet->summary.recognitions;
   }
   const ObjectPlace& estimate = hypothesis.estimate;
-  if (!estimate.size_ratio || estimate.HasPath() || 2 * by_shape <= recognitions || !(size_px > 0)) return 0;
+  if (!estimate.size_ratio || estimate.HasPath() || is_length_wrong) return 0;
+  if (2 * by_shape <= recognitions || !(size_px > 0)) return 0;
   const double sigma = std::hypot(kLengthError, kSizeError_px / size_px, estimate.size_sigma);
   const double of_others = std::hypot(sigma, kOtherSizes);
   const double deviation = std::log(*estimate.size_ratio);

@@ -61,7 +61,8 @@ void RejectPlace(std::string reason, ObjectRecord& object);
 /// What the size of an object found by shape says: the logarithm of the ratio of its distance by intersection to its
 /// range by apparent size has the error of the intersection, of the size in the frames, and of the model's length if it
 /// is this object; that of another one that is taken for it spreads by 3 % in addition (docs/adr/0047). The natural
-/// logarithm of the ratio of the two densities; 0 where most was found by keypoints, or the size is not known.
+/// logarithm of the ratio of the two densities; 0 where most was found by keypoints, the size is not known, or the
+/// model's length was corrected by it.
 [[nodiscard]] double SizeLogOdds(const ObjectHypothesis& hypothesis);
 
 /// Natural logarithm of one over the number of false detections as strong that are expected by chance.

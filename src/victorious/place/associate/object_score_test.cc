@@ -109,6 +109,14 @@ TEST(ObjectScoreTest, TheSizeOfWhatIsFoundByShapeCounts) {
   hypothesis.estimate = {.place = Geolocation{}, .size_ratio = 1.002};
   tracklet.summary.size_px = 20;
   EXPECT_LT(SizeLogOdds(hypothesis), exact);
+  ObservedTracklet near;
+  near.summary = {.recognitions = 20, .by_shape = 20, .size_px = 200};
+  const double of_small = SizeLogOdds(hypothesis);
+  hypothesis.tracklets = {&tracklet, &near};
+  EXPECT_EQ(SizeLogOdds(hypothesis), of_small) << "no more exact than where it is small";
+  near.length_factor = 1.1;
+  EXPECT_EQ(SizeLogOdds(hypothesis), 0) << "it agrees because it was corrected";
+  hypothesis.tracklets = {&tracklet};
   tracklet.summary.by_shape = 5;
   EXPECT_EQ(SizeLogOdds(hypothesis), 0) << "found by keypoints";
 }

@@ -143,7 +143,7 @@ ObservedObject Follower::AssignToTrack(const Detection& detection, const Feature
     Confirm(*track, detection, features, time_s);
     TrackRecord& followed = tracks_.at(*track);
     followed.max_full_frame_score = std::max(followed.max_full_frame_score, detection.score);
-    followed.full_frame_cue = detection.cue;
+    followed.was_found_by_shape = followed.was_found_by_shape || detection.cue == DetectionCue::kShape;
     seen.track = followed.number;
     return seen;
   }
@@ -151,7 +151,7 @@ ObservedObject Follower::AssignToTrack(const Detection& detection, const Feature
   if (step.state != TrackState::kActive) return seen;
   tracks_[step.track] = {.last = detection,
                          .max_full_frame_score = detection.score,
-                         .full_frame_cue = detection.cue,
+                         .was_found_by_shape = detection.cue == DetectionCue::kShape,
                          .number = ++last_number_,
                          .recognised = 1,
                          .searched_time_s = time_s};
@@ -181,6 +181,7 @@ Status Follower::SearchByKeypoints(const FrameConditions& conditions, Region& re
 // Where the tracked points, or the motion of the image, put the object. What was found by keypoints stays unless the
 // shape says more: few keypoints that agree give a worse pose than the edges.
 Status Follower::SearchByShape(const Frame& frame, const FrameConditions& conditions, Region& region) const {
+  if (region.found && (!conditions.vertical || !conditions.height_above_ground_m)) return {};
   const TrackRecord& followed = tracks_.at(region.step.track);
   const Detection& last = followed.last;
   const Box before = BoundingBox(last.outline);
@@ -202,7 +203,7 @@ void Follower::Search(const Frame& frame, const FrameConditions& conditions, Reg
   region.features = FeaturesIn(frame.image, region.step.search_box, extractor_);
   if (!region.features) return;
   Status searched = SearchByKeypoints(conditions, region);
-  if (searched && shapes_ != nullptr && tracks_.at(region.step.track).full_frame_cue == DetectionCue::kShape) {
+  if (searched && shapes_ != nullptr && tracks_.at(region.step.track).was_found_by_shape) {
     searched = SearchByShape(frame, conditions, region);
   }
   if (!searched) region.features = std::unexpected(std::move(searched).error());

@@ -113,10 +113,9 @@ class Follower {
   // State of an active track, apart from its position.
   struct TrackRecord {
     Detection last;  // last recognition
-    // The highest score of its full-frame detections, the upper bound of a score found in its region; the cue of the
-    // last one.
+    // Of its full-frame detections: the highest score, the upper bound of a score found in its region; and the cue.
     double max_full_frame_score = 0;
-    DetectionCue full_frame_cue = DetectionCue::kKeypoints;
+    bool was_found_by_shape = false;
     std::int64_t number = 0;  // track id, by its first frame: does not depend on where the index was interrupted
     int recognised = 0;
     double searched_time_s = 0;  // of the last frame in which its region was searched or it was recognised

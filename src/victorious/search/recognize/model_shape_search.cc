@@ -266,14 +266,17 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Examine(const FramePyramid
                                                               const ShapeMatch& match) const {
   const auto view = ViewAt(conditions, match.centre_px, centre_height_m_);
   if (!view) return std::optional<ShapeMatch>();
-  VICTORIOUS_ASSIGN_OR_RETURN(const double response, MeanResponse(frame, *view, match));
+  ShapeMatch examined = match;
+  examined.to_camera.off_nadir_rad = view->off_nadir_rad;
+  examined.pixels_per_m = view->pixels_per_m;
+  examined.lean_rad = view->lean_rad;
+  VICTORIOUS_ASSIGN_OR_RETURN(const double response, MeanResponse(frame, *view, examined));
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<FittedContours> fitted,
-                              FitContours(frame, *view, conditions.vertical->pinhole.fx, match));
+                              FitContours(frame, *view, conditions.vertical->pinhole.fx, examined));
   if (!fitted) return std::optional<ShapeMatch>();
   fitted->evidence.response = response;
-  ShapeMatch examined = match;
   examined.centre_px = fitted->centre_px;
-  examined.pixels_per_m = match.pixels_per_m * std::exp(-fitted->evidence.distance_change);
+  examined.pixels_per_m *= std::exp(-fitted->evidence.distance_change);
   examined.to_camera.azimuth_rad = WrapAngle(match.to_camera.azimuth_rad + fitted->azimuth_change_rad);
   examined.neg_log10_nfa = NegLog10NfaOf(fitted->evidence);
   examined.is_examined = true;
