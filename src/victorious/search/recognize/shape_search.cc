@@ -98,11 +98,15 @@ const FrameConditions* ShapeSearch::CameraOf(const FrameConditions& conditions) 
 
 ModelShapeSearch ShapeSearch::SearchFor(std::size_t model) const { return {model, models_[model], *templates_}; }
 
-// Places searched again with fine templates; of several matches in one place the most significant one.
+// The best places of each model, searched again with fine templates; of several matches in one place the most
+// significant one.
+// @param parts            results a model in `found`
 // @param decades_assumed  what is lost by assuming the view or the camera; 0: it is known
 Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& frame, const FrameConditions& conditions,
-                                                          std::span<const Place> places, double decades_assumed,
+                                                          std::vector<Expected<std::vector<Place>>>& found,
+                                                          std::size_t parts, double decades_assumed,
                                                           double min_neg_log10_nfa) const {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, parts));
   std::vector<Expected<std::optional<ShapeMatch>>> refined(places.size());
   ParallelFor(places.size(), [&](std::size_t i) {
     refined[i] = SearchFor(places[i].model).Refine(frame, conditions, places[i]);
@@ -158,15 +162,11 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::Find(const cv::Mat& grey, const F
     if (templates_->surfaces(m) != nullptr)
       found[i] = SearchFor(m).FindPlaces(frame, *conditions, tiles[i % tiles.size()]);
   });
-  if (conditions == &given) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, tiles.size()));
-    return RefineBest(frame, given, places, 0, min_neg_log10_nfa);
-  }
+  if (conditions == &given) return RefineBest(frame, given, found, tiles.size(), 0, min_neg_log10_nfa);
   for (Expected<std::vector<Place>>& places : found) {
     if (places) std::erase_if(*places, [](const Place& place) { return place.size_px < kSmallestAssumed_px; });
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, tiles.size()));
-  return RefineBest(frame, *conditions, places, kDecadesOfAssumedCamera, min_neg_log10_nfa);
+  return RefineBest(frame, *conditions, found, tiles.size(), kDecadesOfAssumedCamera, min_neg_log10_nfa);
 }
 
 Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey, double min_neg_log10_nfa) const {
@@ -191,8 +191,7 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey
                          .pixels_per_m = sizes_px[size] / templates_->diagonal_m(m)};
     found[i] = SearchFor(m).FindAssumedPlaces(prepared[size], whole, view);
   });
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Place> places, BestOfEachModel(found, views));
-  return RefineBest(frame, {}, places, std::log10(static_cast<double>(views)), min_neg_log10_nfa);
+  return RefineBest(frame, {}, found, views, std::log10(static_cast<double>(views)), min_neg_log10_nfa);
 }
 
 ShapeMatch ShapeMatchOf(const ContourMatch& match, std::size_t model_index, const cv::Size& frame) {

@@ -144,7 +144,8 @@ class ShapeSearch {
   [[nodiscard]] ModelShapeSearch SearchFor(std::size_t model) const;
   [[nodiscard]] Expected<std::vector<ShapeMatch>> RefineBest(const FramePyramid& frame,
                                                              const FrameConditions& conditions,
-                                                             std::span<const Place> places, double decades_assumed,
+                                                             std::vector<Expected<std::vector<Place>>>& found,
+                                                             std::size_t parts, double decades_assumed,
                                                              double min_neg_log10_nfa) const;
   [[nodiscard]] Expected<std::optional<ShapeMatch>> Judge(const FramePyramid& frame, const FrameConditions& conditions,
                                                           ShapeMatch match, double decades_assumed) const;
