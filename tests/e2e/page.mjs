@@ -1333,6 +1333,9 @@ async function checkPersons(page, objects) {
   await page.keyboard.press("Escape");
 }
 
+/** How often the server looks for changes. */
+const WATCH_MS = 200;
+
 /** What was accepted and rejected suggests a threshold, which is put into force, shown to every tab, and ended. */
 async function thresholds(page) {
   await page.goto("/");
@@ -1351,10 +1354,20 @@ async function thresholds(page) {
   await page.waitForSelector(".learnt-row:has-text('6 accepted, 4 rejected; below 0.3, all 4 were rejected')");
   await becomes(() => page.locator(".row.greyed").count(), 0, "nothing changes by itself");
 
-  const second = await page.context().newPage();
-  await second.goto(page.url());
+  // Of another reader, who hears of changes late: what came in between is loaded, too.
+  const second = await (await page.context().browser().newContext({ baseURL: page.url() })).newPage();
+  let tell;
+  const isTold = new Promise((resolve) => (tell = resolve));
+  await second.route("**/api/v1/events", async (route) => {
+    await isTold;
+    await route.continue();
+  });
+  await second.goto("/");
   await second.waitForSelector("[role=option]");
   await page.getByRole("button", { name: "Only ≥ 0.3" }).click();
+  await page.waitForSelector(".learnt-row:has-text('only ≥ 0.3')");
+  await page.waitForTimeout(10 * WATCH_MS);
+  tell();
   // 0.09 and 0.04; what was decided stays, and other models are not asked.
   for (const tab of [page, second]) {
     await tab.waitForFunction(() => document.querySelector(".list h2")?.textContent === "22 of 24 objects");

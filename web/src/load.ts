@@ -50,7 +50,7 @@ export async function load() {
       isConnected.value = true;
     });
     await openFromUrl();
-    startLive();
+    startLive(summary.index_version);
   } catch (error) {
     isConnected.value = !isAway(error);
     const isLoggedOut = error instanceof ApiFailure && error.status === 401;
@@ -88,15 +88,14 @@ export async function showNew() {
 
 let isLive = false;
 
-/** Follows what the server tells from now on. */
-function startLive() {
+/** Follows what the server tells, from the version that was loaded: what came in between is loaded, too. */
+function startLive(loaded: number) {
   if (isLive) return;
   isLive = true;
-  let known: number | null = null;
+  let known = loaded;
   onEvent("index", (data) => {
     const { version } = data as { version: number };
-    // The first one says what was loaded just now.
-    if (known !== null && version !== known) void refresh();
+    if (version !== known) void refresh();
     known = version;
   });
   startEvents();

@@ -312,6 +312,7 @@ Json ProjectToJson(const std::string& name, const IndexLists& lists, const Objec
           {"unreviewed", counts.objects - counts.accepted - counts.rejected},
           {"models", std::move(models)},
           {"bounds", std::move(bounds)},
+          {"index_version", lists.version},
           {"now_utc_us", NowUtcMicroseconds()}};
 }
 
