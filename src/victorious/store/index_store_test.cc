@@ -147,6 +147,7 @@ TEST_P(IndexStoreTest, SightingRoundTrips) {
   IndexBatch batch = MakeBatch(7, 1, 0.75);
   batch.sightings[0].sighting.view = ViewDirection{1.5, 0.5};
   batch.sightings[0].sighting.source = SightingSource::kTracked;
+  batch.sightings[0].sighting.is_missed = true;
   const std::int64_t object = CommitOne(batch);
   Reopen();
   const auto sightings = Sightings();
@@ -160,7 +161,7 @@ TEST_P(IndexStoreTest, SightingRoundTrips) {
   EXPECT_EQ(s.box, (Box{1.25, 2.5, 30, 40}));
   EXPECT_EQ(s.outline, batch.sightings[0].sighting.outline);
   EXPECT_EQ(s.score, 0.75);
-  EXPECT_EQ(s.source, SightingSource::kTracked);
+  EXPECT_EQ(std::pair(s.source, s.is_missed), std::pair(SightingSource::kTracked, true));
   EXPECT_EQ(s.matches, 14);
   EXPECT_EQ(s.view_index, 3);
   ASSERT_TRUE(s.view);

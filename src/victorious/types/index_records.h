@@ -138,6 +138,7 @@ struct SightingRecord {
   Polygon outline;
   double score = 0;
   SightingSource source = SightingSource::kRecognised;
+  bool is_missed = false;  ///< tracked, though a search for its shape did not find it in this frame
   int matches = 0;
   int view_index = 0;                 ///< the best-matching view of the model
   std::optional<ViewDirection> view;  ///< direction of view; estimated between views if the object pose was estimated

@@ -46,6 +46,7 @@ std::vector<SightingRecord> SightingsBetween(std::span<const SightingRecord> bef
     sighting.outline = Moved(nearer.outline, nearer.box, sighting.box);
     sighting.score = std::min(first.score, last->score);
     sighting.source = SightingSource::kTracked;
+    sighting.is_missed = false;
     sighting.matches = std::min(first.matches, last->matches);
     sighting.distance_m.reset();
     sighting.sigma_distance_m.reset();

@@ -23,8 +23,9 @@ SightingRecord SightingAt(double time_s, double x_px, std::int64_t track) {
 }
 
 TEST(SightingsBetween, LieBetweenThoseOfTheSameTrack) {
-  const std::vector<SightingRecord> before = {SightingAt(1.0, 100, 7), SightingAt(1.0, 300, 8)};
+  std::vector<SightingRecord> before = {SightingAt(1.0, 100, 7), SightingAt(1.0, 300, 8)};
   std::vector<SightingRecord> after = {SightingAt(1.1, 160, 7), SightingAt(1.1, 300, 9)};
+  before[0].is_missed = true;
   after[0].score = 0.6;
   after[0].matches = 5;
   after[0].box.width = 70;
@@ -37,6 +38,7 @@ TEST(SightingsBetween, LieBetweenThoseOfTheSameTrack) {
   EXPECT_EQ(between[0].score, 0.6);
   EXPECT_EQ(between[0].matches, 5);
   EXPECT_EQ(between[0].source, SightingSource::kTracked);
+  EXPECT_FALSE(between[0].is_missed) << "it was not searched for";
   EXPECT_FALSE(between[0].observation) << "what is interpolated is no measurement";
   EXPECT_FALSE(between[0].distance_m);
 }

@@ -88,6 +88,7 @@ void PutSighting(const SightingRecord& sighting, ByteWriter& writer) {
   }
   writer.Put(sighting.score);
   writer.Put(sighting.source);
+  writer.Put(sighting.is_missed);
   writer.Put(sighting.matches);
   writer.Put(sighting.view_index);
   if (writer.PutHas(sighting.view)) {
@@ -116,6 +117,7 @@ SightingRecord GetSighting(std::int64_t frame, ByteReader& reader) {
   }
   sighting.score = reader.Get<double>();
   sighting.source = reader.GetEnum(SightingSource::kTracked);
+  sighting.is_missed = reader.Get<bool>();
   sighting.matches = reader.Get<int>();
   sighting.view_index = reader.Get<int>();
   if (reader.Get<bool>()) {

@@ -19,6 +19,7 @@ std::vector<FrameResult> SomeResults() {
                           .outline = {{1.1, 2.2}, {3.3, -4.4}},
                           .score = 0.7,
                           .source = SightingSource::kTracked,
+                          .is_missed = true,
                           .matches = 11,
                           .view_index = 5,
                           .view = ViewDirection{0.4, 0.5},
@@ -64,6 +65,7 @@ TEST(FrameResults, ComeBackAsTheyWere) {
   EXPECT_EQ(now.box.height, before.box.height);
   EXPECT_EQ(now.outline, before.outline);
   EXPECT_EQ(now.source, SightingSource::kTracked);
+  EXPECT_TRUE(now.is_missed);
   EXPECT_EQ(now.view->off_nadir_rad, 0.5);
   EXPECT_EQ(now.track, 2'000'001);
   EXPECT_EQ(now.observation->line.camera, before.observation->line.camera);

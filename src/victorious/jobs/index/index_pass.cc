@@ -48,6 +48,7 @@ SightingRecord ToSighting(const IndexPass& pass, const FrameWork& work, const Ob
                           .outline = work.sizes.ToFilmed(detection.outline),
                           .score = detection.score,
                           .source = seen.tracked() ? SightingSource::kTracked : SightingSource::kRecognised,
+                          .is_missed = seen.is_missed,
                           .matches = by_shape ? 0 : static_cast<int>(detection.fit.inliers.size()),
                           .view_index = static_cast<int>(detection.view),
                           .view = model.views[detection.view].angles,

@@ -122,6 +122,8 @@ void KeptFits::DropContent() {
     known.tracklet->frames = {};
     known.tracklet->boxes = {};
     known.tracklet->scores = {};
+    known.tracklet->by_shape = 0;
+    known.tracklet->missed = 0;
     known.tracklet->views = {};
     known.tracklet->observations = {};
     known.tracklet->observation_frames = {};
@@ -136,9 +138,7 @@ Status KeptFits::ReadContent(const SightingFilter& filter) {
     if (known == known_.end() || known->second.has_content) return true;
     ObservedTracklet& tracklet = *known->second.tracklet;
     ++content_;
-    tracklet.frames.push_back(sighting.frame);
-    tracklet.boxes.push_back(sighting.box);
-    if (sighting.source == SightingSource::kRecognised) AddRecognition(sighting, tracklet);
+    AddSighting(sighting, tracklet);
     if (!sighting.observation) return true;
     std::vector<BearingObservation>& observations = tracklet.observations;
     sighting.observation->recognition_id =

@@ -58,6 +58,11 @@ struct PlaceContradiction {
 /// Removes the place, and the heading, which rests on the same telemetry.
 void RejectPlace(std::string reason, ObjectRecord& object);
 
+/// What it says that an object found by shape was found again, or missed, in the frames in which its shape was searched
+/// for where it was tracked to: the natural logarithm of how much more probable that is of the object than of something
+/// else (docs/adr/0047). 0 where most was found by keypoints.
+[[nodiscard]] double FoundAgainLogOdds(const ObjectHypothesis& hypothesis);
+
 /// What the size of an object found by shape says: the logarithm of the ratio of its distance by intersection to its
 /// range by apparent size has the error of the intersection, of the size in the frames, and of the model's length if it
 /// is this object; that of another one that is taken for it spreads by 3 % in addition (docs/adr/0047). The natural

@@ -60,6 +60,8 @@ ObjectEvidence CollectEvidence(const ObjectHypothesis& hypothesis, const ObjectR
     log_odds += summary.log_odds;
     evidence.recognitions += summary.recognitions;
     evidence.frames += tracklet->record.frames;
+    evidence.by_shape += summary.by_shape;
+    evidence.missed += summary.missed;
     evidence.lines += summary.observations;
     evidence.view_steps += summary.view_steps;
     evidence.view_jumps += summary.view_jumps;
@@ -104,6 +106,10 @@ std::vector<std::string> SpeaksAgainst(const ObjectEvidence& evidence) {
     against.push_back(
         fmt::format("weak: a typical frame scores {:.2f}", 1 / (1 + std::exp(-evidence.typical_log_odds))));
   }
+  if (evidence.missed > 0) {
+    against.push_back(fmt::format("its shape was missed in {} of {}", evidence.missed,
+                                  CountText(evidence.by_shape + evidence.missed, "frame")));
+  }
   if (!evidence.place_rejected.empty()) {
     against.push_back(evidence.place_rejected);
   } else if (SizeError(evidence) > kUsualSize) {
@@ -132,6 +138,8 @@ std::string ToJsonText(const ObjectEvidence& evidence) {
       {"typical_log_odds", evidence.typical_log_odds},
       {"recognitions", evidence.recognitions},
       {"frames", evidence.frames},
+      {"by_shape", evidence.by_shape},
+      {"missed", evidence.missed},
       {"size_ratio", OrNull(evidence.size_ratio)},
       {"lines", evidence.lines},
       {"missing_lines", evidence.missing_lines},

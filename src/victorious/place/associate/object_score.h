@@ -28,6 +28,8 @@ struct ObjectEvidence {
   double typical_log_odds = 0;    ///< mean over the recognised sightings
   std::int64_t recognitions = 0;  ///< frames in which the search recognised it
   std::int64_t frames = 0;        ///< with a sighting, recognised or tracked
+  std::int64_t by_shape = 0;      ///< TrackletSummary
+  std::int64_t missed = 0;        ///< TrackletSummary
   /// ObjectPlace::size_ratio of an object that stands.
   std::optional<double> size_ratio;
   std::int64_t lines = 0;          ///< lines of sight
@@ -57,8 +59,8 @@ struct ObjectEvidence {
 /// The score, 0 to 1.
 [[nodiscard]] double ScoreObject(const ObjectEvidence& evidence);
 
-/// What speaks against the object, one reason each, in the order of this list: few or weak recognitions, size, lines of
-/// sight, headings, views, one side only. Empty if nothing does.
+/// What speaks against the object, one reason each, in the order of this list: few or weak recognitions, frames in
+/// which its shape was missed, size, lines of sight, headings, views, one side only. Empty if nothing does.
 [[nodiscard]] std::vector<std::string> SpeaksAgainst(const ObjectEvidence& evidence);
 
 /// The numbers as a JSON object (ObjectRecord::evidence_json).

@@ -121,6 +121,40 @@ TEST(ObjectScoreTest, TheSizeOfWhatIsFoundByShapeCounts) {
   EXPECT_EQ(SizeLogOdds(hypothesis), 0) << "found by keypoints";
 }
 
+TEST(ObjectScoreTest, ShapesFoundAgainCount) {
+  ObservedTracklet tracklet;
+  const ObjectHypothesis hypothesis{.tracklets = {&tracklet}, .estimate = {}};
+  const auto log_odds = [&](std::int64_t by_shape, std::int64_t missed, std::int64_t by_keypoints = 0) {
+    tracklet.summary = {.recognitions = by_shape + by_keypoints, .by_shape = by_shape, .missed = missed};
+    return FoundAgainLogOdds(hypothesis);
+  };
+  EXPECT_EQ(log_odds(1, 0), 0) << "not searched for again";
+  EXPECT_GT(log_odds(14, 0), 1);
+  EXPECT_EQ(log_odds(1000, 0), log_odds(100, 0)) << "bounded";
+  EXPECT_LT(log_odds(7, 7), -2);
+  EXPECT_LT(log_odds(20, 20), log_odds(20, 2));
+  EXPECT_GE(log_odds(1, 1000), -4);
+  EXPECT_EQ(log_odds(5, 20, 5), 0) << "most was found by keypoints";
+
+  ObjectEvidence evidence = CollectEvidence(hypothesis, {}, 1000, {});
+  evidence.typical_log_odds = 5;
+  EXPECT_THAT(SpeaksAgainst(evidence), ElementsAre("its shape was missed in 20 of 25 frames"));
+  EXPECT_EQ(nlohmann::json::parse(ToJsonText(evidence))["missed"], 20);
+}
+
+TEST(ObjectScoreTest, SightingsAreCountedByHowTheyWereFound) {
+  ObservedTracklet tracklet{.is_cad_model = true};
+  AddSighting({.frame = 1, .score = 0.9, .matches = 8}, tracklet);
+  AddSighting({.frame = 2, .score = 0.9, .matches = 0}, tracklet);
+  AddSighting({.frame = 3, .score = 0.8, .source = SightingSource::kTracked}, tracklet);
+  AddSighting({.frame = 4, .score = 0.8, .source = SightingSource::kTracked, .is_missed = true}, tracklet);
+  const TrackletSummary summary = Summarise(tracklet);
+  EXPECT_EQ(tracklet.frames.size(), 4U);
+  EXPECT_EQ(summary.recognitions, 2);
+  EXPECT_EQ(summary.by_shape, 1);
+  EXPECT_EQ(summary.missed, 1);
+}
+
 TEST(ObjectScoreTest, RisesWithStrengthAndStaysBelowOne) {
   ObjectEvidence evidence = Good();
   double before = 0;
@@ -139,7 +173,7 @@ TEST(ObjectScoreTest, ViewsOfATracklet) {
   const auto add = [&](double time_s, double azimuth_deg) {
     SightingRecord sighting{.time_s = time_s, .score = 0.9};
     sighting.view = ViewDirection{RadiansFromDegrees(azimuth_deg), RadiansFromDegrees(60)};
-    AddRecognition(sighting, tracklet);
+    AddSighting(sighting, tracklet);
   };
   add(0, 10);
   add(1, 15);

@@ -10,7 +10,11 @@
 
 namespace victorious {
 
-void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet) {
+void AddSighting(const SightingRecord& sighting, ObservedTracklet& tracklet) {
+  tracklet.frames.push_back(sighting.frame);
+  tracklet.boxes.push_back(sighting.box);
+  if (sighting.is_missed) ++tracklet.missed;
+  if (sighting.source != SightingSource::kRecognised) return;
   tracklet.scores.push_back(sighting.score);
   if (tracklet.is_cad_model && sighting.matches == 0) ++tracklet.by_shape;
   if (!sighting.view) return;
@@ -28,6 +32,7 @@ TrackletSummary Summarise(const ObservedTracklet& tracklet) {
   TrackletSummary summary{.log_odds = SumLogOdds(tracklet.scores),
                           .recognitions = static_cast<std::int64_t>(tracklet.scores.size()),
                           .by_shape = tracklet.by_shape,
+                          .missed = tracklet.missed,
                           .size_px = sizes_px.empty() ? 0 : Median(std::move(sizes_px)),
                           .observations = static_cast<std::int64_t>(tracklet.observations.size()),
                           .views = static_cast<std::int64_t>(tracklet.views.size())};

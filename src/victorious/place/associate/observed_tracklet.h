@@ -19,6 +19,7 @@ struct TrackletSummary {
   double log_odds = 0;            ///< sum of the log odds of the recognised sightings
   std::int64_t recognitions = 0;  ///< their number
   std::int64_t by_shape = 0;      ///< those of them that were found by shape (DetectionCue)
+  std::int64_t missed = 0;        ///< number of the tracked sightings that a search for their shape did not find
   double size_px = 0;             ///< median of the longer sides of all boxes
   std::int64_t observations = 0;  ///< number of bearing observations
   std::int64_t view_steps = 0;  ///< pairs of recognised sightings in a row, with views, less than kMaxViewStep_s apart
@@ -58,6 +59,7 @@ struct ObservedTracklet {
   std::vector<Box> boxes;                        ///< one per frame
   std::vector<double> scores;                    ///< scores of the recognised (not tracked) sightings
   std::int64_t by_shape = 0;                     ///< number of the recognised sightings that were found by shape
+  std::int64_t missed = 0;                       ///< number of the tracked ones that were searched for by shape in vain
   std::vector<SightingView> views;               ///< views of those that have one, by time
   std::vector<BearingObservation> observations;  ///< bearing observations, by time; only of sightings that have one
   std::vector<std::int64_t> observation_frames;  ///< one per observation, ascending
@@ -65,8 +67,8 @@ struct ObservedTracklet {
   TrackletSummary summary;
 };
 
-/// Adds a recognised sighting's score, and its view if it has one.
-void AddRecognition(const SightingRecord& sighting, ObservedTracklet& tracklet);
+/// Adds the next sighting of the tracklet: its frame, box, and what it says of the search.
+void AddSighting(const SightingRecord& sighting, ObservedTracklet& tracklet);
 
 /// The summary of a tracklet with its content.
 [[nodiscard]] TrackletSummary Summarise(const ObservedTracklet& tracklet);

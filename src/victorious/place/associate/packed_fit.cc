@@ -223,6 +223,7 @@ std::vector<std::byte> Pack(const HypothesisFits& fits) {
     writer.Put(summary.log_odds);
     writer.PutCount(static_cast<std::uint64_t>(summary.recognitions));
     writer.PutCount(static_cast<std::uint64_t>(summary.by_shape));
+    writer.PutCount(static_cast<std::uint64_t>(summary.missed));
     writer.Put(summary.size_px);
     writer.PutCount(static_cast<std::uint64_t>(summary.observations));
     writer.PutCount(static_cast<std::uint64_t>(summary.view_steps));
@@ -257,6 +258,7 @@ std::optional<HypothesisFits> UnpackHypothesisFits(std::span<const std::byte> by
     tracklet.summary.log_odds = reader.GetNumber();
     const std::uint64_t recognitions = reader.GetCount();
     const std::uint64_t by_shape = reader.GetCount(recognitions);
+    const std::uint64_t missed = reader.GetCount();
     tracklet.summary.size_px = reader.GetNumber(0);
     const std::uint64_t observations = reader.GetCount();
     const std::uint64_t view_steps = reader.GetCount();
@@ -265,9 +267,10 @@ std::optional<HypothesisFits> UnpackHypothesisFits(std::span<const std::byte> by
     tracklet.summary.view_sum = reader.GetMatrix<Eigen::Vector3d>();
     tracklet.frames = GetFrames(reader);
     // A frame has one sighting.
-    if (std::max({recognitions, observations, view_steps, views}) > tracklet.frames.size()) reader.Fail();
+    if (std::max({recognitions, missed, observations, view_steps, views}) > tracklet.frames.size()) reader.Fail();
     tracklet.summary.recognitions = static_cast<std::int64_t>(recognitions);
     tracklet.summary.by_shape = static_cast<std::int64_t>(by_shape);
+    tracklet.summary.missed = static_cast<std::int64_t>(missed);
     tracklet.summary.observations = static_cast<std::int64_t>(observations);
     tracklet.summary.view_steps = static_cast<std::int64_t>(view_steps);
     tracklet.summary.view_jumps = static_cast<std::int64_t>(view_jumps);

@@ -345,7 +345,7 @@ TEST(PackedFit, IsReadAsItWasWritten) {
           HypothesisFits::LevelFit{.level = {200, 1.5},
                                    .place = {.relative = {.place = place, .path_size = 300}, .absolute = place}},
       .tracklet = HypothesisFits::Tracklet{
-          .summary = {.log_odds = 1.5, .recognitions = 2, .by_shape = 1, .size_px = 80, .observations = 4},
+          .summary = {.log_odds = 1.5, .recognitions = 2, .by_shape = 1, .missed = 2, .size_px = 80, .observations = 4},
           .frames = {0, 1, 500, 100'000}}};
   const std::vector<std::byte> bytes = Pack(fits);
   const auto read = UnpackHypothesisFits(bytes);
@@ -358,6 +358,7 @@ TEST(PackedFit, IsReadAsItWasWritten) {
   EXPECT_EQ(read->on_level->place.relative.path_size, 300U);
   EXPECT_EQ(read->on_level->place.absolute->ce90_m, 7);
   EXPECT_EQ(read->tracklet->frames, fits.tracklet->frames);
+  EXPECT_EQ(read->tracklet->summary.missed, 2);
   for (std::size_t size = 0; size < bytes.size(); ++size)
     EXPECT_FALSE(UnpackHypothesisFits(std::span(bytes).first(size))) << size;
   const std::vector<Geolocation> path = {place, place};
@@ -463,6 +464,7 @@ TEST_F(DamagedPackedFitTest, FramesAscend) {
   EXPECT_FALSE(IsRead(TrackletSummary(), {-1}));
   EXPECT_FALSE(IsRead(TrackletSummary{.recognitions = 2}, {3}));
   EXPECT_FALSE(IsRead(TrackletSummary{.recognitions = 1, .by_shape = 2}, {3, 4}));
+  EXPECT_FALSE(IsRead(TrackletSummary{.recognitions = 1, .missed = 3}, {3, 4}));
   EXPECT_FALSE(IsRead(TrackletSummary{.observations = -1}, {3}));
 }
 

@@ -50,6 +50,10 @@ constexpr double kTimeRounding_s = 0.002;
 
 Box StepBox(const TrackStep& step) { return step.seen() ? step.box : BoundingBox(step.outline); }
 
+bool IsInFrame(const Box& box, const cv::Size& frame) {
+  return box.x >= 0 && box.y >= 0 && box.x + box.width <= frame.width && box.y + box.height <= frame.height;
+}
+
 FeatureSet WithoutDescriptors(const FeatureSet& features) {
   return {.keypoints = features.keypoints,
           .descriptors = {},
@@ -190,6 +194,7 @@ Status Follower::SearchByShape(const Frame& frame, const FrameConditions& condit
                                  now.y + now.height / 2 - before.y - before.height / 2);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> match,
                               shapes_->FindAgain(frame.image, conditions, last, shift_px));
+  region.is_missed = !match && IsInFrame(now, frame.image.size());
   if (!match) return {};
   if (region.found && (!match->is_examined || region.found->neg_log10_nfa >= match->neg_log10_nfa)) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(Detection detection, shapes_->MakeDetection(*match, *region.features));
@@ -266,6 +271,7 @@ Expected<std::vector<ObservedObject>> Follower::Follow(const Frame& frame, const
       next = {.detection = *std::move(region.found), .features = WithoutDescriptors(*region.features)};
     } else if (region.step.seen() && tracks_.at(track).recognised >= options_.min_recognised_frames) {
       next = MakeTrackedObject(region.step, frame);
+      next.is_missed = region.is_missed;
     } else {
       continue;
     }

@@ -56,6 +56,7 @@ struct ObservedObject {
   FeatureSet features;
   std::optional<std::int64_t> track;  ///< track id, unique within the video; std::nullopt if no track could be started
   int followed_frames = 0;            ///< frames since the last recognition; 0: recognised in this frame
+  bool is_missed = false;             ///< tracked, though a search for its shape did not find it in this frame
   bool starts_track = false;          ///< a detection of the full-frame search that no track explained
 
   [[nodiscard]] bool tracked() const { return followed_frames > 0; }
@@ -123,6 +124,7 @@ class Follower {
   struct Region {
     TrackStep step;
     Expected<FeatureSet> features = FeatureSet{};
+    bool is_missed = false;  // a search for its shape found nothing
     std::optional<Detection> found;
   };
 

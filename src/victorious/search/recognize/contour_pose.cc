@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 
@@ -29,6 +30,7 @@ constexpr double kSpacing = 1.0 / 70;  // of points, of the object's size
 constexpr double kIndependent_px = 8;
 constexpr double kSurrounding = 0.2;  // around the object's box
 constexpr int kMinSide_px = 20;
+constexpr int kProfile_px = 8;  // on either side of a contour
 
 constexpr int kUnknowns = 7;  // rotation; translation, of the object's size; logarithm of the focal length
 using Normals = Eigen::Matrix<double, kUnknowns, kUnknowns>;
@@ -121,6 +123,32 @@ bool ImprovePose(const ContourModel& model, const ContourImage& image, double re
   return pose.centre_in_camera_m.z() > model.diagonal_m / 2;
 }
 
+// ContourEvidence::step: the sums of the differences and of the ranges of the points' profiles along the normals.
+double StepOf(const cv::Mat& grey, std::span<const ProjectedContour> points) {
+  const cv::Rect image({0, 0}, grey.size());
+  double steps = 0;
+  double ranges = 0;
+  for (const ProjectedContour& point : points) {
+    const auto pixel = [&](int along_px) {
+      const Vector2d at = point.at_px + along_px * point.normal;
+      return cv::Point(static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y())));
+    };
+    if (!image.contains(pixel(-kProfile_px)) || !image.contains(pixel(kProfile_px))) continue;
+    const int before = grey.at<std::uint8_t>(pixel(-kProfile_px));
+    const int behind = grey.at<std::uint8_t>(pixel(kProfile_px));
+    int low = std::min(before, behind);
+    int high = std::max(before, behind);
+    for (int along_px = 1 - kProfile_px; along_px < kProfile_px; ++along_px) {
+      const int level = grey.at<std::uint8_t>(pixel(along_px));
+      low = std::min(low, level);
+      high = std::max(high, level);
+    }
+    steps += std::abs(behind - before);
+    ranges += high - low;
+  }
+  return ranges > 0 ? steps / ranges : 0;
+}
+
 const ContourView& NearestView(const ContourModel& model, const ContourPose& pose) {
   const Vector3d away = pose.camera_from_model.transpose() * pose.centre_in_camera_m.normalized();
   return *std::ranges::max_element(model.views, {},
@@ -160,9 +188,11 @@ ContourPose RefineContourPose(const ContourModel& model, const ContourImage& ima
   return pose;
 }
 
-ContourEvidence EvidenceOf(const ContourModel& model, const ContourImage& image, const ContourPose& pose) {
-  const std::vector<ProjectedContour> points = ProjectContours(model, pose, image.centre_px());
+ContourEvidence EvidenceOf(const ContourModel& model, const ContourImage& image, const ContourPose& pose,
+                           const std::function<bool(const Vector2d&)>& is_seen) {
+  std::vector<ProjectedContour> points = ProjectContours(model, pose, image.centre_px());
   if (points.empty()) return {};
+  const auto count = static_cast<double>(points.size());
   Vector2d low = points.front().at_px;
   Vector2d high = low;
   for (const ProjectedContour& point : points) {
@@ -178,14 +208,17 @@ ContourEvidence EvidenceOf(const ContourModel& model, const ContourImage& image,
                         cv::Point(static_cast<int>(to.x()), static_cast<int>(to.y())));
   if (around.width < kMinSide_px || around.height < kMinSide_px) return evidence;
   const std::array<double, kEdgeOrientations> fractions = image.EdgeFractions(around);
+  if (is_seen) std::erase_if(points, [&](const ProjectedContour& point) { return !is_seen(point.at_px); });
+  evidence.seen = static_cast<double>(points.size()) / count;
   for (const ProjectedContour& point : points) {
     const int bin = OrientationBin(point.normal.x(), point.normal.y(), kEdgeOrientations);
     const double by_chance = fractions[static_cast<std::size_t>(bin)];
     evidence.mean += image.HasEdge(point.at_px, bin) ? std::log10(kHitOfRight / by_chance)
                                                      : std::log10((1 - kHitOfRight) / (1 - by_chance));
   }
+  evidence.step = StepOf(image.grey(), points);
   evidence.decades = evidence.mean * kSpacing * ContourSizePx(model, pose) / kIndependent_px;
-  evidence.mean /= static_cast<double>(points.size());
+  evidence.mean /= count;
   return evidence;
 }
 

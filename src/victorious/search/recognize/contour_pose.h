@@ -9,6 +9,7 @@
 // Edges are long: one point in 8 px counts.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -63,9 +64,16 @@ struct ContourRefineOptions {
 struct ContourEvidence {
   double decades = 0;  ///< of the likelihood ratio
   double mean = 0;     ///< decades a point, before edges are counted as long
-  cv::Rect2d box;      ///< of the contours, px
+  double seen = 0;     ///< fraction of the points that the image shows
+  /// Difference of the grey levels on either side of the contours, over their range in between: near 1 where a body
+  /// stands before something else, near 0 of lines that are painted on the ground.
+  double step = 0;
+  cv::Rect2d box;  ///< of the contours, px
 };
 
-[[nodiscard]] ContourEvidence EvidenceOf(const ContourModel& model, const ContourImage& image, const ContourPose& pose);
+/// @param is_seen  whether a point of the image, px, shows what was filmed; where it does not, a contour says nothing,
+///                 and the mean is over all its points. Empty: all do.
+[[nodiscard]] ContourEvidence EvidenceOf(const ContourModel& model, const ContourImage& image, const ContourPose& pose,
+                                         const std::function<bool(const Eigen::Vector2d&)>& is_seen = {});
 
 }  // namespace victorious

@@ -89,6 +89,33 @@ TEST(ContourPose, IsRefinedToTheEdges) {
   EXPECT_GT(EvidenceOf(model, image, refined).mean, kMinContourMean);
 }
 
+TEST(ContourPose, PointsBeyondTheFrameAreNoEvidence) {
+  const ContourModel model = MakeBox(kBox_m);
+  const ContourImage image(Draw(model, TruePose(model), true));
+  const ContourEvidence whole = EvidenceOf(model, image, TruePose(model));
+  EXPECT_NEAR(whole.seen, 1, 1e-9);
+  const double middle_px = whole.box.x + whole.box.width / 2;
+  const ContourEvidence half =
+      EvidenceOf(model, image, TruePose(model), [&](const Eigen::Vector2d& at_px) { return at_px.x() < middle_px; });
+  EXPECT_NEAR(half.seen, 0.5, 0.2);
+  EXPECT_NEAR(half.mean, half.seen * whole.mean, 0.1 * whole.mean);
+}
+
+TEST(ContourPose, StepIsLargeOfBodiesAndSmallOfLines) {
+  const ContourModel model = MakeBox(kBox_m);
+  const ContourPose pose = TruePose(model);
+  const cv::Mat lines = Draw(model, pose, false);
+  EXPECT_LT(EvidenceOf(model, ContourImage(lines), pose).step, 0.4);
+  std::vector<cv::Point> points;
+  for (const ProjectedContour& point : ProjectContours(model, pose, {320, 240}))
+    points.emplace_back(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));
+  std::vector<cv::Point> hull;
+  cv::convexHull(points, hull);
+  cv::Mat body(lines.size(), CV_8UC1, cv::Scalar(80));
+  cv::fillConvexPoly(body, hull, cv::Scalar(160));
+  EXPECT_GT(EvidenceOf(model, ContourImage(body), pose).step, 0.8);
+}
+
 TEST(ContourPose, WrongPoseHasEvidenceAgainstIt) {
   const ContourModel model = MakeBox(kBox_m);
   const ContourImage image(Draw(model, TruePose(model), true));

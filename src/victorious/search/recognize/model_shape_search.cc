@@ -279,6 +279,7 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Examine(const FramePyramid
   examined.pixels_per_m *= std::exp(-fitted->evidence.distance_change);
   examined.to_camera.azimuth_rad = WrapAngle(match.to_camera.azimuth_rad + fitted->azimuth_change_rad);
   examined.neg_log10_nfa = NegLog10NfaOf(fitted->evidence);
+  examined.in_frame = fitted->in_frame;
   examined.is_examined = true;
   return std::optional(examined);
 }
@@ -322,13 +323,21 @@ Expected<std::optional<ModelShapeSearch::FittedContours>> ModelShapeSearch::FitC
   const ContourPose start{CameraFromModel(match.to_camera).toRotationMatrix(),
                           Vector3d(0, 0, focal_px / view.pixels_per_m), scale * focal_px};
   const ContourPose refined = RefineContourPose(*contours, image, start, {.free_focal = false});
-  const ContourEvidence edges = EvidenceOf(*contours, image, refined);
+  // Beyond its border the last pixels of the frame are repeated, and with them every line that leaves it.
+  const cv::Rect2d filmed({0, 0}, cv::Size2d(frame.frame().size()));
+  const auto is_seen = [&](const Vector2d& at_px) {
+    const Vector2d in_frame = part.ToFrame(at_px);
+    return filmed.contains({in_frame.x(), in_frame.y()});
+  };
+  const ContourEvidence edges = EvidenceOf(*contours, image, refined, is_seen);
   if (edges.decades == 0) return std::optional<FittedContours>();
   const Vector3d& centre = refined.centre_in_camera_m;
   const Eigen::AngleAxisd turn(refined.camera_from_model * start.camera_from_model.transpose());
   return FittedContours{.evidence = {.contour_mean = edges.mean,
                                      .distance_change = std::log(centre.z() / start.centre_in_camera_m.z()),
+                                     .step = edges.step,
                                      .turn_rad = turn.angle()},
+                        .in_frame = edges.seen,
                         .centre_px = part.ToFrame(image.centre_px() + refined.focal_px * centre.head<2>() / centre.z()),
                         .azimuth_change_rad = turn.angle() * turn.axis().dot(start.camera_from_model.col(2))};
 }

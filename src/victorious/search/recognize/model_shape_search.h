@@ -118,6 +118,7 @@ class ModelShapeSearch {
  private:
   struct FittedContours {
     ShapeEvidence evidence;         // without the response
+    double in_frame = 1;            // fraction of the contours
     Eigen::Vector2d centre_px;      // of the object's bounding box, in the frame
     double azimuth_change_rad = 0;  // of the direction to the camera, from what was searched
   };

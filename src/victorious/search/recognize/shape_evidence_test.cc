@@ -7,7 +7,8 @@
 namespace victorious {
 namespace {
 
-const ShapeEvidence kRight{.response = 12, .contour_mean = 0.4, .distance_change = 0.005, .turn_rad = 0.03};
+const ShapeEvidence kRight{
+    .response = 12, .contour_mean = 0.4, .distance_change = 0.005, .step = 0.8, .turn_rad = 0.03};
 
 TEST(ShapeEvidence, AllOfItCounts) {
   const double right = NegLog10NfaOf(kRight);
@@ -18,6 +19,9 @@ TEST(ShapeEvidence, AllOfItCounts) {
   other = kRight;
   other.contour_mean -= 0.2;
   EXPECT_LT(NegLog10NfaOf(other), right - 1);
+  other = kRight;
+  other.step = 0.3;
+  EXPECT_LT(NegLog10NfaOf(other), right - 1) << "painted lines";
   other = kRight;
   other.turn_rad = RadiansFromDegrees(12);
   EXPECT_LT(NegLog10NfaOf(other), right - 3);

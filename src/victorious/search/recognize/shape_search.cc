@@ -28,6 +28,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kMaxPlaces = 8;  // of a model in a frame that are searched with fine templates
 constexpr double kMinExamined = 6;     // response of fine templates: with less, evidence is not worth its cost
+constexpr double kMinInFrame = 0.9;    // of a match that nothing was known of: lines that the border cuts look closed
 constexpr double kSuppression = 0.4;   // distance of two matches over the smaller one's size
 
 }  // namespace
@@ -118,7 +119,9 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& fr
     if (*one) all.push_back(**one);
   }
   std::vector<ShapeMatch> kept = KeepApart(std::move(all));
-  std::erase_if(kept, [&](const ShapeMatch& match) { return match.neg_log10_nfa < min_neg_log10_nfa; });
+  std::erase_if(kept, [&](const ShapeMatch& match) {
+    return match.neg_log10_nfa < min_neg_log10_nfa || match.in_frame < kMinInFrame;
+  });
   return kept;
 }
 

@@ -69,6 +69,7 @@ struct ShapeMatch {
   TemplatePaint paint = TemplatePaint::kPlain;
   double response = 0;
   double neg_log10_nfa = 0;  ///< decades, of one frame and model
+  double in_frame = 1;       ///< fraction of its contours, if it is examined
   bool is_examined = false;  ///< its significance is that of all evidence (shape_evidence.h), not of its response alone
 };
 

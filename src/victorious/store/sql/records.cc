@@ -265,6 +265,7 @@ void BindSighting(const SightingRecord& sighting, std::int64_t video_id, std::in
   insert.BindAt(kSighting.Parameter("distance_m"), sighting.distance_m);
   insert.BindAt(kSighting.Parameter("distance_sigma_m"), sighting.sigma_distance_m);
   insert.BindAt(kSighting.Parameter("track_id"), sighting.track);
+  insert.BindAt(kSighting.Parameter("is_missed"), std::int64_t{sighting.is_missed});
 }
 
 VideoRecord ReadVideo(const Row& row) {
@@ -401,6 +402,7 @@ Expected<SightingRecord> ReadSighting(const Row& row, std::string_view name) {
       .box = {row.Real(kSighting.Index("box_x_px")), row.Real(kSighting.Index("box_y_px")),
               row.Real(kSighting.Index("box_width_px")), row.Real(kSighting.Index("box_height_px"))},
       .score = row.Real(kSighting.Index("score")),
+      .is_missed = row.Integer(kSighting.Index("is_missed")) != 0,
       .matches = ReadInt(row, kSighting.Index("matches")),
       .view_index = ReadInt(row, kSighting.Index("view_index")),
       .in_plane_rad = row.Real(kSighting.Index("in_plane_rad")),

@@ -64,7 +64,8 @@ inline constexpr ColumnList kSightingColumns({"video_id",
                                               "view_sigma_rad",
                                               "distance_m",
                                               "distance_sigma_m",
-                                              "track_id"});
+                                              "track_id",
+                                              "is_missed"});
 
 inline constexpr ColumnList kKeptFrameColumns({"video_id", "frame", "time_s", "image_width_px", "image_height_px",
                                                "keypoints", "descriptors"});
