@@ -199,12 +199,12 @@ void RejectPlace(std::string reason, ObjectRecord& object) {
 
 // The beta-binomial probabilities of k finds and m misses, of true objects over those of false ones. How often a
 // shape is found again differs from object to object, not from frame to frame: a beta distribution for each of the two.
-// Chosen on bench/accuracy/plain_vehicles.py: true objects are hardly missed (of 60 none in more than one frame in
-// eight, with 7 % of noise none), false ones in half of the frames, those on one side of them. More is not made of it,
-// as other video may hide objects more often.
+// Chosen on bench/accuracy/plain_vehicles.py: true objects are hardly missed (with 15 % of noise, too; one of 70
+// in three frames of 15), false ones in half of the frames, those on one side of them. More is not made of it, as other
+// video may hide objects more often.
 double FoundAgainLogOdds(const ObjectHypothesis& hypothesis) {
-  constexpr double kTrueFound = 8;
-  constexpr double kTrueMissed = 0.3;
+  constexpr double kTrueFound = 6;
+  constexpr double kTrueMissed = 0.4;
   constexpr double kFalseFound = 2;
   constexpr double kFalseMissed = 2;
   constexpr double kMin = -4;
