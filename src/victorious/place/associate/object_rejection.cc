@@ -100,6 +100,25 @@ double LogOdds(double score) {
 constexpr double kMaxFalseAlarms = 0.1;
 constexpr double kFramesOfRecognition = 4;
 
+// Of an object, over its tracklets.
+struct ShapeFinds {
+  std::int64_t recognitions = 0;  // by any cue
+  std::int64_t found = 0;         // those of them that were found by shape
+  std::int64_t missed = 0;
+
+  [[nodiscard]] bool AreMost() const { return 2 * found > recognitions; }
+};
+
+ShapeFinds CountShapeFinds(const ObjectHypothesis& hypothesis) {
+  ShapeFinds finds;
+  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
+    finds.recognitions += tracklet->summary.recognitions;
+    finds.found += tracklet->summary.by_shape;
+    finds.missed += tracklet->summary.missed;
+  }
+  return finds;
+}
+
 struct SignificanceTest {
   double log_odds = 0;  // of a typical frame
   double frames = 0;    // that are consistent
@@ -209,19 +228,12 @@ double FoundAgainLogOdds(const ObjectHypothesis& hypothesis) {
   constexpr double kFalseMissed = 2;
   constexpr double kMin = -4;
   constexpr double kMax = 1.5;
-  std::int64_t recognitions = 0;
-  std::int64_t by_shape = 0;
-  std::int64_t missed = 0;
-  for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
-    recognitions += tracklet->summary.recognitions;
-    by_shape += tracklet->summary.by_shape;
-    missed += tracklet->summary.missed;
-  }
-  if (2 * by_shape <= recognitions) return 0;
+  const ShapeFinds shape = CountShapeFinds(hypothesis);
+  if (!shape.AreMost()) return 0;
   const auto log_beta = [](double a, double b) { return std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b); };
   const auto log_probability = [&](double found, double not_found) {
-    const double again = static_cast<double>(by_shape - 1);  // what is found for the first time was not searched for
-    return log_beta(found + again, not_found + static_cast<double>(missed)) - log_beta(found, not_found);
+    const auto again = static_cast<double>(shape.found - 1);  // what is found for the first time was not searched for
+    return log_beta(found + again, not_found + static_cast<double>(shape.missed)) - log_beta(found, not_found);
   };
   return std::clamp(log_probability(kTrueFound, kTrueMissed) - log_probability(kFalseFound, kFalseMissed), kMin, kMax);
 }
@@ -233,17 +245,13 @@ double SizeLogOdds(const ObjectHypothesis& hypothesis) {
   constexpr double kMin = -4;
   double size_px = std::numeric_limits<double>::infinity();
   bool is_length_wrong = false;
-  std::int64_t by_shape = 0;
-  std::int64_t recognitions = 0;
   for (const ObservedTracklet* tracklet : hypothesis.tracklets) {
     size_px = std::min(size_px, tracklet->summary.size_px);
     is_length_wrong = is_length_wrong || tracklet->length_factor != 1;
-    by_shape += tracklet->summary.by_shape;
-    recognitions += tracklet->summary.recognitions;
   }
   const ObjectPlace& estimate = hypothesis.estimate;
   if (!estimate.size_ratio || estimate.HasPath() || is_length_wrong) return 0;
-  if (2 * by_shape <= recognitions || !(size_px > 0)) return 0;
+  if (!CountShapeFinds(hypothesis).AreMost() || !(size_px > 0)) return 0;
   const double sigma = std::hypot(kLengthError, kSizeError_px / size_px, estimate.size_sigma);
   const double of_others = std::hypot(sigma, kOtherSizes);
   const double deviation = std::log(*estimate.size_ratio);

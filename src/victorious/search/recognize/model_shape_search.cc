@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "victorious/geometry/angles.h"
+#include "victorious/geometry/box.h"
 #include "victorious/search/recognize/response_map.h"
 
 namespace victorious {
@@ -324,10 +325,10 @@ Expected<std::optional<ModelShapeSearch::FittedContours>> ModelShapeSearch::FitC
                           Vector3d(0, 0, focal_px / view.pixels_per_m), scale * focal_px};
   const ContourPose refined = RefineContourPose(*contours, image, start, {.free_focal = false});
   // Beyond its border the last pixels of the frame are repeated, and with them every line that leaves it.
-  const cv::Rect2d filmed({0, 0}, cv::Size2d(frame.frame().size()));
+  const Box filmed = FrameBox(frame.frame().cols, frame.frame().rows);
   const auto is_seen = [&](const Vector2d& at_px) {
     const Vector2d in_frame = part.ToFrame(at_px);
-    return filmed.contains({in_frame.x(), in_frame.y()});
+    return filmed.Contains(in_frame.x(), in_frame.y());
   };
   const ContourEvidence edges = EvidenceOf(*contours, image, refined, is_seen);
   if (edges.decades == 0) return std::optional<FittedContours>();
