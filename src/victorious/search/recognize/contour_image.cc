@@ -12,15 +12,19 @@ namespace {
 constexpr double kSmoothing_px = 1;
 constexpr double kMinAlignment = 0.85;  // cosine between a gradient and the normal of a contour
 
+cv::Mat Smoothed(const cv::Mat& grey) {
+  cv::Mat smooth;
+  cv::GaussianBlur(grey, smooth, {}, kSmoothing_px);
+  return smooth;
+}
+
 }  // namespace
 
-ImageEdges FindEdges(const cv::Mat& grey, double sigma_px, double min_gradient) {
-  cv::Mat smooth = grey;
-  if (sigma_px > 0) cv::GaussianBlur(grey, smooth, {}, sigma_px);
+ImageEdges FindEdges(const cv::Mat& grey, double min_gradient) {
   ImageEdges edges;
   constexpr double kSobelGain = 8;
-  cv::Sobel(smooth, edges.x, CV_32F, 1, 0, 3, 1 / kSobelGain);
-  cv::Sobel(smooth, edges.y, CV_32F, 0, 1, 3, 1 / kSobelGain);
+  cv::Sobel(grey, edges.x, CV_32F, 1, 0, 3, 1 / kSobelGain);
+  cv::Sobel(grey, edges.y, CV_32F, 0, 1, 3, 1 / kSobelGain);
   cv::magnitude(edges.x, edges.y, edges.magnitude);
   edges.is_edge = cv::Mat::zeros(grey.size(), CV_8U);
   for (int row = 1; row < grey.rows - 1; ++row) {
@@ -44,7 +48,7 @@ int OrientationBin(double x, double y, int bins) {
 }
 
 ContourImage::ContourImage(const cv::Mat& grey, double min_gradient)
-    : grey_(grey), min_gradient_(min_gradient), edges_(FindEdges(grey, kSmoothing_px, min_gradient)) {
+    : grey_(Smoothed(grey)), min_gradient_(min_gradient), edges_(FindEdges(grey_, min_gradient)) {
   for (cv::Mat& near : near_) near = cv::Mat::zeros(grey.size(), CV_8U);
   for (int row = 0; row < grey.rows; ++row) {
     for (int column = 0; column < grey.cols; ++column) {

@@ -22,20 +22,21 @@ struct ImageEdges {
   cv::Mat is_edge;    ///< CV_8UC1: 0 or 255
 };
 
-/// @param grey      CV_8UC1
-/// @param sigma_px      of the Gaussian before; 0: none
+/// @param grey          CV_8UC1
 /// @param min_gradient  of an edge, grey levels a pixel
-[[nodiscard]] ImageEdges FindEdges(const cv::Mat& grey, double sigma_px, double min_gradient = kMinEdgeGradient);
+[[nodiscard]] ImageEdges FindEdges(const cv::Mat& grey, double min_gradient = kMinEdgeGradient);
 
 /// The orientation of a normal, of `bins` in half a turn.
 [[nodiscard]] int OrientationBin(double x, double y, int bins);
 
+/// An image smoothed by a Gaussian of 1 px, and its edges.
 class ContourImage {
  public:
-  /// @param grey          CV_8UC1
+  /// @param grey          CV_8UC1; not changed
   /// @param min_gradient  of an edge, grey levels a pixel
   explicit ContourImage(const cv::Mat& grey, double min_gradient = kMinEdgeGradient);
 
+  /// Smoothed.
   [[nodiscard]] const cv::Mat& grey() const { return grey_; }
   [[nodiscard]] Eigen::Vector2d centre_px() const { return {grey_.cols / 2.0, grey_.rows / 2.0}; }
 

@@ -72,6 +72,15 @@ cv::Mat Draw(const ContourModel& model, const ContourPose& pose, bool has_stripe
   return grey;
 }
 
+TEST(ContourImage, LeavesTheImageThatItIsMadeOf) {
+  cv::Mat grey = cv::Mat::zeros(40, 40, CV_8UC1);
+  grey.colRange(20, 40).setTo(200);
+  const cv::Mat before = grey.clone();
+  const ContourImage image(grey);
+  EXPECT_EQ(cv::countNonZero(grey != before), 0);
+  EXPECT_GT(cv::countNonZero(image.grey() != before), 0);
+}
+
 TEST(ContourPose, IsRefinedToTheEdges) {
   const ContourModel model = MakeBox(kBox_m);
   const ContourPose truth = TruePose(model);

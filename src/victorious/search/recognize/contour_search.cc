@@ -81,7 +81,7 @@ CoarseImage MakeCoarseImage(const cv::Mat& grey, double size_px) {
   CoarseImage coarse{.scale = kTemplate_px / size_px};
   cv::Mat small;
   cv::resize(grey, small, {}, coarse.scale, coarse.scale, cv::INTER_AREA);
-  const ImageEdges edges = FindEdges(small, 0);
+  const ImageEdges edges = FindEdges(small);
   coarse.rows = (small.rows + 1) / 2;
   coarse.columns = (small.cols + 1) / 2;
   const cv::Size bordered(2 * (coarse.columns + kBorder_px), 2 * (coarse.rows + kBorder_px));
