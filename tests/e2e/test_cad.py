@@ -188,6 +188,10 @@ class BadTest(CadTest):
     def test_only_non_finite_vertices(self):
         self.refuses_cad(self.write("a.obj", "v nan nan nan\nv nan 0 0\nv 0 nan 0\nf 1 2 3\n"))
 
+    def test_formats_that_are_not_read(self):
+        for name in ("a.wrl", "b.STEP", "c.fbx"):
+            self.refuses_cad(self.write(name, "#VRML V2.0 utf8\n"), "a CAD file (.gltf")
+
     def test_no_texture(self):
         self.refuses_cad(self.write("a.obj", "v -1 0 1\nv 1 0 1\nv 0 0 -1\nf 1 2 3\n"), "texture")
 

@@ -16,6 +16,7 @@
 #include "victorious/base/median.h"
 #include "victorious/base/progress.h"
 #include "victorious/input/image/image_file.h"
+#include "victorious/input/video/image_sequence_reader.h"
 #include "victorious/object/mesh/load_mesh.h"
 #include "victorious/object/model/cad_model.h"
 #include "victorious/object/model/model_library.h"
@@ -71,7 +72,9 @@ Expected<ObjectModel> FromPhotos(const ModelAddArguments& arguments) {
   if (arguments.step_deg || arguments.max_off_nadir_deg || !arguments.layout.empty() || !arguments.up.empty() ||
       !arguments.front.empty()) {
     return Fail(ErrorCode::kInvalidArgument,
-                "--step, --max-off-nadir, --layout, --up and --front apply to CAD files, not to photos");
+                fmt::format("{}: not a CAD file ({}): --step, --max-off-nadir, --layout, --up and --front apply to "
+                            "those, not to photos",
+                            arguments.inputs.front(), kCadExtensions));
   }
   if (!arguments.boxes.empty() && arguments.boxes.size() != arguments.inputs.size()) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -86,8 +89,13 @@ Expected<ObjectModel> FromPhotos(const ModelAddArguments& arguments) {
     if (!arguments.boxes.empty()) {
       VICTORIOUS_ASSIGN_OR_RETURN(box, ParseBox(arguments.boxes[i]));
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(Photo photo, LoadPhoto(arguments.inputs[i], box));
-    photos.push_back(std::move(photo));
+    Expected<Photo> photo = LoadPhoto(arguments.inputs[i], box);
+    if (!photo && photo.error().code == ErrorCode::kDataLoss && !IsImageFile(arguments.inputs[i])) {
+      return Fail(ErrorCode::kUnsupported,
+                  fmt::format("{}, nor a CAD file ({})", photo.error().message, kCadExtensions));
+    }
+    if (!photo) return std::unexpected(std::move(photo).error());
+    photos.push_back(*std::move(photo));
   }
   Expected<ObjectModel> model = MakePhotoModel(arguments.name, photos, arguments.length_m, options);
   if (model && !arguments.draw.empty()) VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments.draw, DrawCutOuts(photos)));

@@ -37,8 +37,7 @@ Expected<LoadedMesh> Load(std::span<const std::byte> bytes, const std::string& n
                           const LoadMeshOptions& options) {
   const auto format = CadFormatFromName(name);
   if (!format) {
-    return Fail(ErrorCode::kUnsupported,
-                fmt::format("{}: not a CAD file (.gltf, .glb, .obj, .ac, .dae, .3ds, .ply or .stl)", name));
+    return Fail(ErrorCode::kUnsupported, fmt::format("{}: not a CAD file ({})", name, kCadExtensions));
   }
   if (options.length_m && !(*options.length_m > 0 && std::isfinite(*options.length_m))) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("length {} m: must be above 0", *options.length_m));

@@ -36,7 +36,10 @@ enum class Axis { kPlusX, kMinusX, kPlusY, kMinusY, kPlusZ, kMinusZ };
 /// Parses "x", "+x", "-x", …, case-insensitive. Error: kInvalidArgument.
 [[nodiscard]] Expected<Axis> ParseAxis(std::string_view text);
 
-/// True if the file extension is that of one of these formats, case-insensitive.
+/// For messages.
+inline constexpr std::string_view kCadExtensions = ".gltf, .glb, .obj, .ac, .dae, .3ds, .ply or .stl";
+
+/// True if the file extension is one of these, case-insensitive.
 bool IsCadFile(const std::filesystem::path& path);
 
 struct LoadMeshOptions {
