@@ -19,7 +19,7 @@
 namespace victorious {
 
 inline constexpr int kBackgroundFrames = 4;
-inline constexpr int kViewFrames = 8;     ///< for FindCommonView
+inline constexpr int kViewFrames = 8;     ///< for FindCommonView, and ShapeSearch::SearchByContours
 inline constexpr int kViewSide_px = 800;  ///< of larger frames for it: every size and angle is tried in each
 
 /// Frames evenly spread over a video, grey, without impulse noise. The same for each part of a video that is searched

@@ -22,6 +22,7 @@ struct ImageEdges {
   cv::Mat is_edge;    ///< CV_8UC1: 0 or 255
 };
 
+/// Of the image as it is, not smoothed.
 /// @param grey          CV_8UC1
 /// @param min_gradient  of an edge, grey levels a pixel
 [[nodiscard]] ImageEdges FindEdges(const cv::Mat& grey, double min_gradient = kMinEdgeGradient);

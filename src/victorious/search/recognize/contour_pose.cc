@@ -213,8 +213,9 @@ ContourEvidence EvidenceOf(const ContourModel& model, const ContourImage& image,
   for (const ProjectedContour& point : points) {
     const int bin = OrientationBin(point.normal.x(), point.normal.y(), kEdgeOrientations);
     const double by_chance = fractions[static_cast<std::size_t>(bin)];
-    evidence.mean += image.HasEdge(point.at_px, bin) ? std::log10(kHitOfRight / by_chance)
-                                                     : std::log10((1 - kHitOfRight) / (1 - by_chance));
+    const bool is_hit = image.HasEdge(point.at_px, bin);
+    if (is_hit) evidence.hit_fraction += 1 / count;
+    evidence.mean += is_hit ? std::log10(kHitOfRight / by_chance) : std::log10((1 - kHitOfRight) / (1 - by_chance));
   }
   evidence.step = StepOf(image.grey(), points);
   evidence.decades = evidence.mean * kSpacing * ContourSizePx(model, pose) / kIndependent_px;

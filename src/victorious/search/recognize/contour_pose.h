@@ -62,9 +62,10 @@ struct ContourRefineOptions {
                                             const ContourRefineOptions& options);
 
 struct ContourEvidence {
-  double decades = 0;  ///< of the likelihood ratio
-  double mean = 0;     ///< decades a point, before edges are counted as long
-  double seen = 0;     ///< fraction of the points that the image shows
+  double decades = 0;       ///< of the likelihood ratio
+  double mean = 0;          ///< decades a point, before edges are counted as long
+  double hit_fraction = 0;  ///< of all points, those that are seen and have an edge
+  double seen = 0;          ///< fraction of the points that the image shows
   /// Difference of the grey levels on either side of the contours, over their range in between: near 1 where a body
   /// stands before something else, near 0 of lines that are painted on the ground.
   double step = 0;

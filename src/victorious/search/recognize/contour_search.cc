@@ -29,7 +29,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kMaxImage_px = 800;
-constexpr double kFocal = 1.2;  // over the image's longer side: that of a telephone or a webcam
+constexpr double kPresmoothing_px = 1;  // of the image, besides that of ContourImage: what is printed has fine edges
+constexpr double kFocal = 1.2;          // over the image's longer side: that of a telephone or a webcam
 constexpr double kTemplate_px = 64;
 constexpr double kSmallest_px = 180;     // diagonal of an object's bounding box
 constexpr double kLargest = 1.15;        // over the image's shorter side
@@ -357,7 +358,7 @@ ContourMatch BestOf(const ContourModel& model, const ContourImage& image, const 
   SortByEvidence(matches);
   std::vector<ContourMatch> best = BestApart(matches);
   for (ContourMatch& match : best) match = BestNear(model, image, match, focal_px);
-  return *std::ranges::max_element(best, {}, DecadesOf);
+  return *std::ranges::max_element(best, {}, [](const ContourMatch& match) { return NegLog10NfaOf(match.evidence); });
 }
 
 }  // namespace
@@ -372,6 +373,21 @@ Expected<ContourModel> ReadContourModel(const ObjectModel& model, const RelitTem
     contours.views.push_back({CameraFromModel(*model.views[i].angles).toRotationMatrix(), *std::move(points[i])});
   }
   return contours;
+}
+
+double NegLog10NfaOf(const ContourEvidence& evidence) {
+  const auto between = [](double value, double low, double high) {
+    return std::clamp((value - low) / (high - low), 0.0, 1.0);
+  };
+  constexpr double kMinHitFraction = 0.75;
+  constexpr double kFullHitFraction = 0.9;
+  constexpr double kMinStep = 0.25;
+  constexpr double kFullStep = 0.55;
+  constexpr double kDecadesOfOneFalseAlarm = 20;
+  constexpr double kDecadesPerDecadeOfNfa = 20;  // the edges of one scene are not independent
+  const double decades = evidence.decades * between(evidence.hit_fraction, kMinHitFraction, kFullHitFraction) *
+                         between(evidence.step, kMinStep, kFullStep);
+  return (decades - kDecadesOfOneFalseAlarm) / kDecadesPerDecadeOfNfa;
 }
 
 double AssumedFocalPx(const cv::Size& size) { return kFocal * std::max(size.width, size.height); }
@@ -390,13 +406,16 @@ SearchedImage ShrinkToSearch(const cv::Mat& grey) {
   if (searched.shrink < 1) {
     cv::resize(grey, searched.grey, {}, searched.shrink, searched.shrink, cv::INTER_AREA);
   }
+  cv::Mat smooth;
+  cv::GaussianBlur(searched.grey, smooth, {}, kPresmoothing_px);
+  searched.grey = smooth;
   return searched;
 }
 
 // A match in the pixels of the image before it was shrunk. std::nullopt if it is not significant.
 std::optional<ContourMatch> Significant(ContourMatch best, double shrink) {
-  best.neg_log10_nfa = (best.evidence.decades - kContourDecadesOfOneFalseAlarm) / kContourDecadesPerNfa;
-  if (best.evidence.mean < kMinContourMean || best.neg_log10_nfa <= 0) return std::nullopt;
+  best.neg_log10_nfa = NegLog10NfaOf(best.evidence);
+  if (best.neg_log10_nfa < kMinContourNegLog10Nfa) return std::nullopt;
   best.pose.focal_px /= shrink;
   cv::Rect2d& box = best.evidence.box;
   box = {box.x / shrink, box.y / shrink, box.width / shrink, box.height / shrink};

@@ -4,8 +4,8 @@
 // Method: coarse templates of 64 px, of directions 10 degrees apart, three rolls and all sizes, count the edge pixels
 // of the right orientation (as LINE-2D, Hinterstoisser et al., PAMI 2012) against what the surroundings make likely.
 // That ranks the right pose among the best hundred of its size, no better. Their poses are refined on the image's edges
-// (contour_pose.h), the best of them from many starts nearby, and the evidence of the refined pose decides: a right
-// pose has an edge at nine of ten points, wrong ones do not reach that however they are refined.
+// (contour_pose.h), the best of them from many starts nearby, and the evidence of the refined pose decides, by how many
+// of its points have an edge, and how much its contours are steps.
 #pragma once
 
 #include <optional>
@@ -22,12 +22,14 @@
 
 namespace victorious {
 
-/// What a right pose has: a mean evidence of each point of its contours, and evidence of all. Wrong poses of a box
-/// reach 0.53 and 75 in other videos, right ones 0.83 and 170 (docs/adr/0042).
-inline constexpr double kMinContourMean = 0.65;
-inline constexpr double kContourDecadesOfOneFalseAlarm = 85;
-/// Edges of one scene are not independent: decades of evidence for one of -log10 NFA.
-inline constexpr double kContourDecadesPerNfa = 12;
+/// The -log10 NFA of a refined pose in one image. The evidence of its contours counts in full where nine of ten points
+/// have an edge and the contours stand out as steps: wrong poses on marked roads and among leaves have fewer hits, or
+/// lie on lines (docs/adr/0042).
+[[nodiscard]] double NegLog10NfaOf(const ContourEvidence& evidence);
+
+/// What a match needs, decades. The search of a frame wants more (DetectOptions::min_score); other frames of the video
+/// add to it (shape_search.h).
+inline constexpr double kMinContourNegLog10Nfa = 2;
 
 /// A model found in one image.
 struct ContourMatch {
@@ -42,7 +44,7 @@ struct ContourMatch {
 
 /// The best pose of a model in an image, in the image's pixels. std::nullopt if it is not significant: in most images.
 /// An image of more than 800 px is searched at that size; objects of less than 180 px in it are not found.
-/// Deterministic. Cost: some 2 s.
+/// Deterministic. Cost: about 1 s on two cores.
 /// @param grey  CV_8UC1, without impulse noise
 [[nodiscard]] std::optional<ContourMatch> FindByContours(const ContourModel& model, const cv::Mat& grey);
 

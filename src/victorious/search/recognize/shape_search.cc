@@ -216,24 +216,33 @@ ShapeMatch ShapeMatchOf(const ContourMatch& match, std::size_t model_index, cons
 std::vector<ShapeMatch> ShapeSearch::FindContours(const cv::Mat& grey, double min_neg_log10_nfa) const {
   std::vector<ShapeMatch> all;
   for (const auto& [number, contours] : contours_) {
-    const std::optional<ContourMatch> match = FindByContours(contours, grey);
-    if (match && match->neg_log10_nfa >= min_neg_log10_nfa) all.push_back(ShapeMatchOf(*match, number, grey.size()));
+    std::optional<ContourMatch> match = FindByContours(contours, grey);
+    if (!match) continue;
+    match->neg_log10_nfa += decades_of_other_frames_;
+    if (match->neg_log10_nfa >= min_neg_log10_nfa) all.push_back(ShapeMatchOf(*match, number, grey.size()));
   }
   return KeepApart(std::move(all));
 }
 
 Expected<bool> ShapeSearch::SearchByContours(std::span<const cv::Mat> frames, const CancelToken& cancel) {
   contours_.clear();
-  const std::size_t needed = std::min(kContourFrames, frames.size());
-  for (std::size_t m = 0; m < models_.size(); ++m) {
+  decades_of_other_frames_ = frames.size() > 1 ? kDecadesOfOtherFrames : 0;
+  const double needed = frames.size() > 1 ? kDecadesToSearchByContours : 0;
+  const std::size_t needed_frames = std::min(kFramesToSearchByContours, frames.size());
+  for (std::size_t m = 0; m < models_.size() && !frames.empty(); ++m) {
     if (templates_->surfaces(m) == nullptr) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(ContourModel contours, ReadContourModel(models_[m], *templates_->surfaces(m)));
+    double decades = 0;
     std::size_t found = 0;
-    for (std::size_t i = 0; i < frames.size() && found < needed && found + frames.size() - i >= needed; ++i) {
+    const auto is_decided = [&] { return decades >= needed && found >= needed_frames; };
+    for (std::size_t i = 0; i < frames.size() && !is_decided() && found + frames.size() - i >= needed_frames; ++i) {
       if (cancel.IsCancelled()) return Fail(ErrorCode::kCancelled, "cancelled");
-      found += FindByContours(contours, frames[i]) ? 1 : 0;
+      const std::optional<ContourMatch> match = FindByContours(contours, frames[i]);
+      if (!match) continue;
+      decades += match->neg_log10_nfa;
+      ++found;
     }
-    if (needed > 0 && found >= needed) contours_.emplace_back(m, std::move(contours));
+    if (is_decided()) contours_.emplace_back(m, std::move(contours));
   }
   return !contours_.empty();
 }
@@ -265,8 +274,9 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
     const auto contours = std::ranges::find(contours_, m, &std::pair<std::size_t, ContourModel>::first);
     if (contours == contours_.end()) return std::optional<ShapeMatch>();
     const ContourPose start = PoseOf(last, models_[m], rendered, shift_px, grey.size());
-    const std::optional<ContourMatch> again = FindContoursNear(contours->second, grey, start);
-    if (!again || again->neg_log10_nfa < kMinDecadesUnexamined) return std::optional<ShapeMatch>();
+    std::optional<ContourMatch> again = FindContoursNear(contours->second, grey, start);
+    if (!again) return std::optional<ShapeMatch>();
+    again->neg_log10_nfa += decades_of_other_frames_;
     return ShapeMatchOf(*again, m, grey.size());
   }
   const double azimuth_deg = DegreesFromRadians(models_[m].views[last.view].angles->azimuth_rad);

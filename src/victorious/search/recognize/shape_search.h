@@ -68,7 +68,7 @@ struct ShapeMatch {
   double lean_rad = 0;  ///< of the vertical, clockwise from the image's up direction
   TemplatePaint paint = TemplatePaint::kPlain;
   double response = 0;
-  double neg_log10_nfa = 0;  ///< decades, of one frame and model
+  double neg_log10_nfa = 0;  ///< decades, of one frame and model; by contours with kDecadesOfOtherFrames
   double in_frame = 1;       ///< fraction of its contours, if it is examined
   bool is_examined = false;  ///< its significance is that of all evidence (shape_evidence.h), not of its response alone
 };
@@ -80,8 +80,13 @@ struct Place;
 /// A match by contours as one by shape.
 [[nodiscard]] ShapeMatch ShapeMatchOf(const ContourMatch& match, std::size_t model_index, const cv::Size& frame);
 
-/// Frames of a video in which a model must be found by its contours before it is searched for so; of fewer frames, all.
-inline constexpr std::size_t kContourFrames = 3;
+/// The sum of the -log10 NFA of the frames of a video in which a model must be found by its contours before it is
+/// searched for so in all.
+inline constexpr double kDecadesToSearchByContours = 6;
+/// In how many frames it must be found.
+inline constexpr std::size_t kFramesToSearchByContours = 2;
+/// What this adds to the -log10 NFA of each match by contours in the video.
+inline constexpr double kDecadesOfOtherFrames = 2;
 
 /// Thread-safe but for AssumeCamera and SearchByContours. Deterministic.
 class ShapeSearch {
@@ -113,17 +118,17 @@ class ShapeSearch {
   /// The camera of the frames that come without the vertical or the height above the ground.
   void AssumeCamera(const FrameConditions& conditions) { assumed_ = conditions; }
 
-  /// From now on, frames of an unknown camera are searched by contours for the models that are found so in several of
-  /// these frames (contour_search.h).
-  /// @param frames  spread over the video
+  /// From now on, frames of an unknown camera are searched by contours for the models that are found so in these frames
+  /// (contour_search.h).
+  /// @param frames  spread over the video; if it is only one, a match in it suffices
   /// @return true if there is such a model
   /// Errors: those of RelitTemplateSource; kCancelled.
   [[nodiscard]] Expected<bool> SearchByContours(std::span<const cv::Mat> frames, const CancelToken& cancel);
 
   /// A detection by shape found again in another frame, near where it is expected and from about the same side.
   /// std::nullopt if it is not there. A place and a heading are tested, not all of a frame: kDecadesOfOnePlace is added
-  /// to the -log10 NFA. It must reach kMinDecadesInOnePlace; kMinDecadesUnexamined where the camera is assumed, or of a
-  /// match by contours.
+  /// to the -log10 NFA. It must reach kMinDecadesInOnePlace; kMinDecadesUnexamined where the camera is assumed. A match
+  /// by contours must reach kMinContourNegLog10Nfa in the frame itself; kDecadesOfOtherFrames is added.
   /// @param last      of a model that is searched for
   /// @param shift_px  of the object since then
   /// Errors: those of RelitTemplateSource.
@@ -155,6 +160,7 @@ class ShapeSearch {
   std::unique_ptr<Templates> templates_;
   std::optional<FrameConditions> assumed_;
   std::vector<std::pair<std::size_t, ContourModel>> contours_;  // by the number of the model
+  double decades_of_other_frames_ = 0;                          // of a match by contours
 };
 
 /// Cells of a frame at the scales that the background of a search is taken from.
