@@ -226,10 +226,12 @@ std::vector<ShapeMatch> ShapeSearch::FindContours(const cv::Mat& grey, double mi
 
 Expected<bool> ShapeSearch::SearchByContours(std::span<const cv::Mat> frames, const CancelToken& cancel) {
   contours_.clear();
-  decades_of_other_frames_ = frames.size() > 1 ? kDecadesOfOtherFrames : 0;
-  const double needed = frames.size() > 1 ? kDecadesToSearchByContours : 0;
+  if (frames.empty()) return false;
+  const bool has_others = frames.size() > 1;
+  decades_of_other_frames_ = has_others ? kDecadesOfOtherFrames : 0;
+  const double needed = has_others ? kDecadesToSearchByContours : 0;
   const std::size_t needed_frames = std::min(kFramesToSearchByContours, frames.size());
-  for (std::size_t m = 0; m < models_.size() && !frames.empty(); ++m) {
+  for (std::size_t m = 0; m < models_.size(); ++m) {
     if (templates_->surfaces(m) == nullptr) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(ContourModel contours, ReadContourModel(models_[m], *templates_->surfaces(m)));
     double decades = 0;
