@@ -4,7 +4,7 @@
 Usage: check_commands.py [ROOT] [BUILD]
 Of a Python script with argparse: it is imported and its arguments are parsed, no more. Of a test program: its filter
 names a test. Of `victorious bench` and `experiment`: the name is in their help. Commands are read from README.md,
-CONTRIBUTING.md, docs/*.md, docs/results/*.md and bench/results/table.toml; placeholders such as N and [--json] are
+CONTRIBUTING.md, docs/*.md, docs/results/*.md and bench/results/rows; placeholders such as N and [--json] are
 understood. A program that is not built is SKIPPED, by name. The flags of `victorious` itself are checked by
 tests/e2e/test_documents.py. Prints one line per finding.
 """
@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from results_table import TABLE, read_table
+from results_table import ROWS, read_table
 
 FENCED = re.compile(r"^```[a-z]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"^    ((?:bench|tools|build)/.*)$", re.MULTILINE)
@@ -111,7 +111,7 @@ def all_commands(root: Path) -> dict[str, str]:
     found: dict[str, str] = {}
     for run_of_table in read_table(root):
         for command in commands_of(f"```\n{run_of_table.command}\n```\n"):
-            found.setdefault(command, f"{TABLE}: {run_of_table.name}")
+            found.setdefault(command, f"{ROWS}: {run_of_table.name}")
     for document in documents(root):
         for command in commands_of(document.read_text(encoding="utf-8")):
             found.setdefault(command, str(document.relative_to(root)))

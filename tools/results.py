@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Measures the figures of bench/results/table.toml with the program at hand, and writes docs/results.md.
+"""Measures the figures of bench/results/rows with the program at hand, and writes docs/results.md.
 
-Usage: results.py [PATTERN...] [--list] [--count] [--again] [--limit SECONDS] [--dry-run] [--root DIR]
+Usage: results.py [PATTERN...] [--list] [--count] [--again] [--reread] [--limit SECONDS] [--dry-run] [--root DIR]
 Runs, cheapest first, the commands of the rows that are stale: whose sources differ from the commit at which they were
 measured. PATTERN (as of a shell, of the names of runs and rows) selects; --again measures fresh ones as well; --limit
 starts no run that would exceed so many seconds in all, by the table. Each figure is stored (bench/results/measured.json)
-as soon as it is measured, so that the next call goes on where this one ended. What lacks its data or its program is
-SKIPPED, by name. In commands, $DATA is the folder of external data ($VICTORIOUS_DATA, default ../shared/data), $OUT
+as soon as it is measured, so that the next call goes on where this one ended. What a command printed stays in
+$OUT/outputs; --reread reads it again, if it is of the same sources, instead of running the command: after a change to the
+table. What lacks its data or its program is SKIPPED, by name. In commands, $DATA is the folder of external data ($VICTORIOUS_DATA, default ../shared/data), $OUT
 that of flights and indexes ($OUT, default build/results), $MODELS the library of all CAD models of $DATA ($MODELS,
 default $OUT/models), $OWN_MODELS that of assets/models. --list prints each row with its state, --count how many are stale.
 """
@@ -94,11 +95,11 @@ def uncertainty(row: Row, output: dict) -> tuple[int, str]:
     return 0, ""
 
 
-def figure_of(row: Row, output: dict, commit: str, digest: str) -> Figure:
+def figure_of(row: Row, output: dict, origin: dict[str, str]) -> Figure:
     value = string.Formatter().vformat(row.value, (), output)
     cases, interval = uncertainty(row, output)
-    return Figure(re.sub(r"(?<=\d)%", " %", value), commit, datetime.date.today().isoformat(), machine(), cases, interval,
-                  not is_met(row, output), row.note, digest)  # fmt: skip
+    return Figure(re.sub(r"(?<=\d)%", " %", value), cases=cases, interval=interval, missed=not is_met(row, output),
+                  note=row.note, **origin)  # fmt: skip
 
 
 def machine() -> str:
@@ -118,19 +119,38 @@ def commit_of(root: Path, run: Run) -> str:
     return commit + ("+" if changed else "")
 
 
-def measure(run: Run, root: Path, where: dict[str, str]) -> dict[str, Figure]:
-    """Raises ValueError if the command fails or its output is not as the table says."""
+def run_command(run: Run, root: Path, where: dict[str, str]) -> dict:
+    """What the command printed, and its origin: commit, digest of the sources, date, machine. Raises ValueError if it fails."""
     make_libraries(run, root, where)
-    Path(where["OUT"]).mkdir(parents=True, exist_ok=True)
     done = subprocess.run(["bash", "-euo", "pipefail", "-c", run.command], cwd=root, env=os.environ | where,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)  # fmt: skip
     if done.returncode != 0:
         raise ValueError(f"exit status {done.returncode}: {done.stderr.strip()[-500:]}")
+    origin = {"commit": commit_of(root, run), "digest": digest_of(root, run), "date": datetime.date.today().isoformat(),
+              "machine": machine()}  # fmt: skip
+    return {"text": done.stdout, "origin": origin}
+
+
+def measure(run: Run, root: Path, where: dict[str, str], reread: bool) -> dict[str, Figure]:
+    """Raises ValueError if the command fails or its output is not as the table says."""
+    kept = Path(where["OUT"]) / "outputs" / f"{run.name}.json"
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    if reread:
+        printed = json.loads(kept.read_text(encoding="utf-8"))
+    else:
+        printed = run_command(run, root, where)
+        kept.write_text(json.dumps(printed), encoding="utf-8")
     try:
-        output = parsed(run, done.stdout)
-        return {row.name: figure_of(row, output, commit_of(root, run), digest_of(root, run)) for row in run.rows}
+        output = parsed(run, printed["text"])
+        return {row.name: figure_of(row, output, printed["origin"]) for row in run.rows}
     except (KeyError, IndexError, TypeError) as error:
         raise ValueError(f"no such value in the output: {error!r}") from error
+
+
+def can_reread(run: Run, root: Path, where: dict[str, str]) -> bool:
+    """Whether an output is kept of the sources at hand."""
+    kept = Path(where["OUT"]) / "outputs" / f"{run.name}.json"
+    return kept.exists() and json.loads(kept.read_text(encoding="utf-8"))["origin"]["digest"] == digest_of(root, run)
 
 
 def selected(runs: list[Run], patterns: list[str]) -> list[Run]:
@@ -160,12 +180,20 @@ def count_rows(root: Path, runs: list[Run], figures: dict[str, Figure]) -> str:
             f"{by_hand} are measured by hand (tools/results.py --list)")  # fmt: skip
 
 
+def is_wanted(run: Run, root: Path, figures: dict[str, Figure], arguments: argparse.Namespace) -> bool:
+    if run.by_hand:
+        return False
+    if arguments.reread:
+        return can_reread(run, root, folders(root))
+    return arguments.again or any(state(root, run, row, figures) == "stale" for row in run.rows)
+
+
 def run_all(root: Path, runs: list[Run], arguments: argparse.Namespace) -> bool:
     """Whether no run failed."""
     where, figures = folders(root), read_measured(root)
     spent, good = 0.0, True
     for run in runs:
-        if run.by_hand or not (arguments.again or any(state(root, run, row, figures) == "stale" for row in run.rows)):
+        if not is_wanted(run, root, figures, arguments):
             continue
         if (lacking := missing(run, root, where)) is not None:
             print(f"SKIPPED: {run.name}: {lacking} is not there", flush=True)
@@ -178,7 +206,7 @@ def run_all(root: Path, runs: list[Run], arguments: argparse.Namespace) -> bool:
         if arguments.dry_run:
             continue
         try:
-            measured = measure(run, root, where)
+            measured = measure(run, root, where, arguments.reread)
         except ValueError as error:
             print(f"FAILED: {run.name}: {error}", flush=True)
             good = False
@@ -196,6 +224,7 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="print each row with its state")
     parser.add_argument("--count", action="store_true", help="print how many rows are stale")
     parser.add_argument("--again", action="store_true", help="measure fresh rows as well")
+    parser.add_argument("--reread", action="store_true", help="read kept outputs again, run nothing")
     parser.add_argument("--limit", type=float, default=float("inf"), metavar="SECONDS")
     parser.add_argument("--dry-run", action="store_true", help="print the commands only")
     parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parent.parent)

@@ -1,6 +1,6 @@
-"""The table of measurements, bench/results/table.toml, what was measured, measured.json, and how old that is.
+"""The table of measurements, what was measured, measured.json, and how old that is.
 
-A run is one command; its rows are the figures that are read from its output. A row that no run makes (`by_hand`, which
+bench/results/table.toml has the topics, rows/TOPIC.toml the runs of each. A run is one command; its rows are the figures that are read from its output. A row that no run makes (`by_hand`, which
 says why) keeps the figure that a person wrote. A figure is stale if a source that it depends on differs from what
 was measured: by the digest of the sources, which outlives a rebase; a figure that has none, by its commit.
 """
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TABLE = Path("bench/results/table.toml")
+ROWS = Path("bench/results/rows")  # TOPIC.toml
 MEASURED = Path("bench/results/measured.json")
 ROOMS = "src/victorious"
 COMPARISONS = {"<=": operator.le, ">=": operator.ge, "==": operator.eq}
@@ -87,8 +88,7 @@ def _row(entry: dict) -> Row:
     return Row(limits=limits, **_strings(entry))
 
 
-def _run(entry: dict, topics: dict[str, Topic], groups: dict[str, list[str]]) -> Run:
-    topic = topics[entry.pop("topic")]
+def _run(entry: dict, topic: Topic, groups: dict[str, list[str]]) -> Run:
     rows = tuple(_row(row) for row in entry.pop("row"))
     named = entry.pop("rooms", topic.rooms)
     rooms = [room for name in named for room in groups.get(name, [name])]
@@ -96,23 +96,31 @@ def _run(entry: dict, topics: dict[str, Topic], groups: dict[str, list[str]]) ->
     return Run(topic=topic, rows=rows, sources=tuple(sources), **_strings(entry))
 
 
-def read_table(root: Path) -> list[Run]:
-    """Raises ValueError for what the table must not contain."""
-    table = tomllib.loads((root / TABLE).read_text(encoding="utf-8"))
-    topics = {name: Topic(name, **_strings(entry)) for name, entry in table["topic"].items()}
+def _runs_of(topic: Topic, root: Path, groups: dict[str, list[str]]) -> list[Run]:
+    path = ROWS / f"{topic.name}.toml"
     try:
-        runs = [_run(entry, topics, table["group"]) for entry in table["run"]]
+        return [_run(entry, topic, groups) for entry in tomllib.loads((root / path).read_text(encoding="utf-8"))["run"]]
     except (KeyError, TypeError) as error:
-        raise ValueError(f"{TABLE}: {error}") from error
+        raise ValueError(f"{path}: {error}") from error
+
+
+def read_table(root: Path) -> list[Run]:
+    """In the order of the topics. Raises ValueError for what the table must not contain."""
+    table = tomllib.loads((root / TABLE).read_text(encoding="utf-8"))
+    topics = [Topic(name, **_strings(entry)) for name, entry in table["topic"].items()]
+    strays = {file.stem for file in (root / ROWS).glob("*.toml")} - {topic.name for topic in topics}
+    if strays:
+        raise ValueError(f"{ROWS}: {', '.join(sorted(strays))}: no topic of {TABLE}")
+    runs = [run for topic in topics for run in _runs_of(topic, root, table["group"])]
     names = [run.name for run in runs]
     rows = [row.name for run in runs for row in run.rows]
     for name in names + rows:
         if names.count(name) > 1 or rows.count(name) > 1:
-            raise ValueError(f"{TABLE}: {name}: must be the name of one run and of one row")
+            raise ValueError(f"{ROWS}: {name}: must be the name of one run and of one row")
     for run in runs:
         for row in run.rows:
             if not run.by_hand and not row.value:
-                raise ValueError(f"{TABLE}: {row.name}: has no `value`, and its run no `by_hand`")
+                raise ValueError(f"{ROWS}: {row.name}: has no `value`, and its run no `by_hand`")
     return runs
 
 

@@ -21,9 +21,10 @@ search = ["match", "pose"]
 [topic.speed]
 heading = "Speed"
 rooms = ["search"]
+"""
+ROWS = """
 [[run]]
 name = "one"
-topic = "speed"
 command = '''echo '{"a.b": {"share": 0.5}, "found": 3, "of": 4, "errors": [1, 2, 3, 4, 5, 6]}' '''
 seconds = 2
   [[run.row]]
@@ -39,7 +40,6 @@ seconds = 2
   sample = "errors"
 [[run]]
 name = "other"
-topic = "speed"
 command = "echo found 7 of them"
 output = 'found (?P<count>\\d+)'
 rooms = ["store"]
@@ -50,7 +50,6 @@ seconds = 1
   value = "{count}"
 [[run]]
 name = "absent"
-topic = "speed"
 command = "false"
 needs = ["$DATA/none"]
   [[run.row]]
@@ -66,6 +65,7 @@ class ResultsTest(unittest.TestCase):
         self.addCleanup(scratch.cleanup)
         self.root = Path(scratch.name)
         self.write("bench/results/table.toml", TABLE)
+        self.write("bench/results/rows/speed.toml", ROWS)
         self.write("bench/results/measured.json", "{}")
         self.write("docs/results.md", "")
         self.write("src/victorious/pose/pose.cc", "int a;\n")
@@ -131,9 +131,24 @@ class ResultsTest(unittest.TestCase):
     def test_limit_and_failures(self):
         self.assertIn("one: 2 s: beyond --limit", self.run_tool("--limit", "2", "o*"))
         self.assertEqual(set(self.measured()), {"seven"})
-        self.write("bench/results/table.toml", TABLE.replace("{count}", "{counted}"))
+        self.write("bench/results/rows/speed.toml", ROWS.replace("{count}", "{counted}"))
         self.assertIn("FAILED: other: no such value", self.run_tool("--again", "other"))
         self.assertEqual(self.status, 1)
+
+    def test_a_kept_output_is_read_again_if_it_is_of_the_same_sources(self):
+        self.run_tool()
+        self.write("bench/results/rows/speed.toml", ROWS.replace("{count}", "{count} in all").replace("found 7", "found 8"))
+        self.run_tool("--reread")
+        self.assertEqual(self.measured()["seven"]["value"], "7 in all")
+        self.write("src/victorious/store/store.cc", "int b;\n")
+        self.commit()
+        self.write("bench/results/rows/speed.toml", ROWS)
+        self.assertNotIn("other:", self.run_tool("--reread"))
+
+    def test_a_topic_of_no_heading_is_refused(self):
+        self.write("bench/results/rows/stray.toml", ROWS)
+        with self.assertRaisesRegex(ValueError, "stray"):
+            results_table.read_table(self.root)
 
     def test_page_marks_stale_figures_and_is_checked_without_the_marks(self):
         self.run_tool()
@@ -152,7 +167,7 @@ class ResultsTest(unittest.TestCase):
     def test_the_table_is_refused_by_name(self):
         for wrong in (("\"half\"", "\"middle\""), ("value = \"{count}\"", ""), (">= 0.6", "> 0.6"), ("rate =", "rates =")):
             with self.subTest(wrong), self.assertRaises(ValueError):
-                self.write("bench/results/table.toml", TABLE.replace(*wrong))
+                self.write("bench/results/rows/speed.toml", ROWS.replace(*wrong))
                 results_table.read_table(self.root)
 
 
