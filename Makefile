@@ -66,7 +66,8 @@ serve: victorious | demo/index.db demo/flight/video.telemetry.csv
 	./tools/serve.sh build/victorious --db demo/index.db --models demo/models $(if $(PORT),--listen 127.0.0.1:$(PORT))
 
 # Measures the figures of docs/results.md that are stale, cheapest first. ROWS='boxes* roc' selects, LIMIT=600: seconds in all.
-RESULT_TARGETS = victorious victorious-bench victorious-experiment accuracy_tests geolocate_tests navigate_tests box-peers
+RESULT_TARGETS = victorious victorious_page victorious-bench victorious-experiment accuracy_tests geolocate_tests navigate_tests \
+  box-peers draw_flight make-large-index make-stream
 results:
 	$(call configure,release,--test)
 	cmake --build --preset release --target $(RESULT_TARGETS)

@@ -9,7 +9,7 @@ Each worker has one thread and Q of a core, so that N workers run side by side o
 PostgreSQL some of them. Time is counted from the start of the workers to the end of the last task, by the log of the queue: the
 start of a worker, 0.2 s of processor time, is part of it, so that V sets how much it weighs. V should be a multiple of each
 N. Each run has every N in turn, on databases of their own. Prints JSON: seconds of each run, and median and range
-of T1 / (N TN) over the runs.
+of T1 / (N TN) over the runs, as `workers_N`.
 """
 
 import argparse
@@ -120,12 +120,12 @@ def main() -> None:
     rows = {}
     for count in counts:
         efficiencies = [one / (count * many) for one, many in zip(seconds[1], seconds[count], strict=True)]
-        rows[str(count)] = {
+        rows[f"workers_{count}"] = {
             "seconds": [round(one, 1) for one in seconds[count]],
             "efficiency": round(statistics.median(efficiencies), 3),
             "range": [round(min(efficiencies), 3), round(max(efficiencies), 3)],
         }
-    print(json.dumps({"quota": arguments.quota, "videos": arguments.videos, "frames": arguments.frames, "workers": rows}))
+    print(json.dumps({"quota": arguments.quota, "videos": arguments.videos, "frames": arguments.frames} | rows))
 
 
 if __name__ == "__main__":

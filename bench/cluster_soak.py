@@ -16,7 +16,8 @@ were killed three times without progress, is submitted again. At the end of a ro
 With --segments, workers share each video, second by second. A segment whose processes are killed three times is left out;
 of a round with such gaps, the log is checked alone.
 The seed draws what is hit and when; what that meets depends on the machine. Prints JSON: kills by kind, rounds, tasks,
-attempts. Exit status 1 and the folder of the workers' logs at the first difference.
+attempts, and `stops`, those of workers past their lease and cuts of the network. Exit status 1 and the folder of the
+workers' logs at the first difference.
 """
 
 import argparse
@@ -439,7 +440,8 @@ def main() -> int:
         except Difference as found:
             difference = str(found)
     seconds = round(time.monotonic() - begun)
-    report = {"seed": arguments.seed, "kills": soak.kills(), **soak.hits, **soak.figures, "seconds": seconds}
+    report = {"seed": arguments.seed, "kills": soak.kills(), "stops": sum(soak.hits[kind] for kind in STOPS), **soak.hits,
+              "rounds_with_gaps": 0, **soak.figures, "seconds": seconds}  # fmt: skip
     print(json.dumps(report))
     if difference:
         print(f"cluster_soak.py: round {soak.figures['rounds']}: {difference}; the logs: {folder}", file=sys.stderr)

@@ -23,13 +23,17 @@ from pathlib import Path
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 
-def link_models(library: Path, copies: int, folder: Path) -> int:
+def link_models(library: Path, copies: int, folder: Path, names: list[str] | None = None) -> int:
+    """Links to each model, or to those named, under other names. Returns how many."""
     folder.mkdir(parents=True, exist_ok=True)
     for leftover in folder.iterdir():
         leftover.unlink()
     files = sorted(library.glob("*.vmodel"))
     if not files:
         sys.exit(f"--models {library}: has no .vmodel: give a folder that `victorious model add` made")
+    if missing := set(names or ()) - {file.stem for file in files}:
+        sys.exit(f"--models {library}: has no {', '.join(sorted(missing))}")
+    files = [file for file in files if not names or file.stem in names]
     for file in files:
         for copy in range(copies):
             (folder / f"{file.stem}-{copy}.vmodel").symlink_to(file.resolve())

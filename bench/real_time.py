@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Measures whether a long video at 30 frames/s is indexed faster than it plays, and its memory while it is.
 
-Usage: real_time.py --models DIR [--size WxH] [--hfov DEG] [--seconds S] [--passes N] [--params FILE] [--program FILE]
-                    [--make-stream FILE] [--work DIR]
+Usage: real_time.py --models DIR [--library DIR] [--size WxH] [--hfov DEG] [--seconds S] [--passes N] [--params FILE]
+                    [--program FILE] [--make-stream FILE] [--work DIR]
 
 Simulates a flight of S seconds (default 60) in frames of W x H pixels (640x480; hfov 16 degrees) over a town in which twelve of the CAD models of DIR (NAME.glb) stand, into WORK/flight
 unless that folder exists, and plays it N times one after the other (make-stream; default 1, which is the flight itself). All
-models of DIR are made into WORK/models unless they are there. The video is indexed by default twice: `first` makes the
+models of DIR are made into the library, WORK/models by default, unless they are there. The video is indexed by default twice: `first` makes the
 relit templates, `again` finds them on disk. Prints JSON; of each run:
 
   real_time    duration of the video / wall time of `victorious index`, opening it and its start included
@@ -133,6 +133,7 @@ def index(program: Program, video: Path, telemetry: Path, library: Path, work: P
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--models", type=Path, required=True)
+    parser.add_argument("--library", type=Path, help="models of DIR (default: WORK/models)")
     parser.add_argument("--size", default="640x480")
     parser.add_argument("--hfov", type=float, default=16)
     parser.add_argument("--seconds", type=int, default=60)
@@ -143,8 +144,9 @@ def main() -> None:
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/real_time")
     arguments = parser.parse_args()
     program, work = Program(arguments.program), arguments.work
-    library = work / "models"
-    library.mkdir(parents=True, exist_ok=True)
+    library = arguments.library or work / "models"
+    for folder in (work, library):
+        folder.mkdir(parents=True, exist_ok=True)
     files = sorted(arguments.models.glob("*.glb"))
     for file in files:
         if not (library / f"{file.stem}.vmodel").exists():

@@ -1,7 +1,8 @@
 // node bench/serve_users.mjs URL PASSWORD [USERS] [SECONDS] [SOCKETS]: measures `victorious serve` with many users at
 // once, as JSON. Each user is logged in (accounts user-1, user-2, …, all with PASSWORD), listens to events, and reads and
 // reviews with pauses of 0.2 to 1 s, as in bench/page_scale.mjs. In the second half, another client opens SOCKETS
-// connections and sends nothing. URL is https://127.0.0.1:PORT; its certificate is not checked.
+// connections and sends nothing. URL is https://127.0.0.1:PORT; its certificate is not checked. bench/serve_users.py makes
+// the index and the accounts, and serves it.
 import https from "node:https";
 import tls from "node:tls";
 

@@ -11,6 +11,7 @@ shorten the flights.
 import argparse
 import datetime
 import json
+import math
 import shutil
 import subprocess
 import sys
@@ -150,15 +151,20 @@ def example_line(name: str, rows: list[dict], before: str, after: str, key: str,
     return f"- {name}, all ratios together: {'; '.join(counts)} (thesis: {thesis}).\n"
 
 
-def match_fractions(rows: list[dict]) -> str:
-    """Of all matches of the rows: true matches kept, false ones among the rest, reduction factor of false ones."""
+def match_counts(rows: list[dict]) -> tuple[float, float, float]:
+    """Of all matches of the rows: true matches kept, %, false ones among the rest, %, reduction factor of false ones."""
     before = sum(row["true before"] for row in rows)
     kept = sum(row["true before"] * row["true kept %"] / 100 for row in rows)
     false_after = sum(row["false after"] for row in rows)
     left = kept + false_after + sum(row["near after"] for row in rows)
     false_before = sum(row["false before"] for row in rows)
-    fewer = f"{false_before / false_after:.0f}" if false_after else f"> {false_before:.0f}"
-    return f"{100 * kept / before:.2f} %, {100 * false_after / left:.2f} %, {fewer}"
+    return 100 * kept / before, 100 * false_after / left, false_before / false_after if false_after else math.inf
+
+
+def match_fractions(rows: list[dict]) -> str:
+    kept, false, factor = match_counts(rows)
+    fewer = f"{factor:.0f}" if factor < math.inf else f"> {sum(row['false before'] for row in rows):.0f}"
+    return f"{kept:.2f} %, {false:.2f} %, {fewer}"
 
 
 def cascade_targets(reports: dict[str, dict]) -> str:

@@ -2,24 +2,31 @@
 """Compares box tracking from a video's first frame with OpenCV's CSRT, KCF and MIL in the same run.
 
 Usage: box_tracking.py [--program build/victorious] [--peers build/box-peers] [--data ../shared/data]
-                       [--sequences car,david,...] [--json]
+                       [--sequences car,david,...] [--movies MOVIE...] [--json]
+
+With --movies, folders with video.mp4 and truth.jsonl, each of their objects is tracked instead, from the first frame in
+which it is clear; the frames in which it is clear are judged.
 
 Success AUC: the area under the success plot, that is the fraction of frames with an overlap (intersection over union)
 above a threshold of 0, 0.05, ... 1, over the frames that contain the object; a frame without a box has overlap 0. If
 the object leaves and returns: the number of frames until it is found again (overlap 0.5) after each return, and the
 fraction of frames without the object that have a box (false positives). Speed: frames per second of CPU time, including
-reading the video.
+reading the video. With --json an object: of each sequence and tracker these figures, their means, and by how much the
+mean AUC of ours is above the largest of the others (`lead`).
 """
 
 import argparse
 import json
 import math
+import os
 import resource
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
+
+from movies import MIN_ROWS, Movie, Program, is_clear, overlap
 
 PEERS = ["csrt", "kcf", "mil"]
 OURS = "victorious"
@@ -70,14 +77,6 @@ def read_truth(path: Path, corners: bool) -> list[Box | None]:
         else:
             rows.append(tuple(numbers))
     return rows
-
-
-def overlap(a: Box, b: Box) -> float:
-    width = min(a[0] + a[2], b[0] + b[2]) - max(a[0], b[0])
-    height = min(a[1] + a[3], b[1] + b[3]) - max(a[1], b[1])
-    if width <= 0 or height <= 0:
-        return 0.0
-    return width * height / (a[2] * a[3] + b[2] * b[3] - width * height)
 
 
 def run(command: list[object]) -> tuple[str, float]:
@@ -131,19 +130,48 @@ def score(truth: list[Box | None], followed: Followed) -> Score:
     return Score(auc, len(truth) / followed.processor_s, returns, len(absent), false_boxes)
 
 
-def measure(arguments: argparse.Namespace) -> dict[str, dict[str, Score]]:
+def compare(video: Path, truth: list[Box | None], arguments: argparse.Namespace) -> dict[str, Score]:
+    """The trackers' scores, each from the true box of the first frame."""
+    box = ",".join(f"{round(number)}" for number in truth[0])
+    followed = {OURS: follow_ours(arguments.program, video, box)}
+    for peer in PEERS:
+        followed[peer] = follow_peer(arguments.peers, peer, video, box)
+    return {tracker: score(truth, boxes) for tracker, boxes in followed.items()}
+
+
+def measure_sequences(arguments: argparse.Namespace) -> dict[str, dict[str, Score]]:
     folder = arguments.data / "real" / "tracking"
     scores = {}
     for name in arguments.sequences.split(","):
         sequence = SEQUENCES[name]
-        truth = read_truth(folder / sequence.truth, sequence.corners)
-        box = ",".join(f"{round(number)}" for number in truth[0])
-        video = folder / sequence.video
-        followed = {OURS: follow_ours(arguments.program, video, box)}
-        for peer in PEERS:
-            followed[peer] = follow_peer(arguments.peers, peer, video, box)
-        scores[name] = {tracker: score(truth, boxes) for tracker, boxes in followed.items()}
+        scores[name] = compare(folder / sequence.video, read_truth(folder / sequence.truth, sequence.corners), arguments)
     return scores
+
+
+def measure_movie(folder: Path, arguments: argparse.Namespace) -> dict[str, dict[str, Score]]:
+    program, movie = Program(str(arguments.program)), Movie(folder)
+    clear = {name: {row["frame"]: tuple(row["box"]) for row in rows if is_clear(row)} for name, rows in movie.rows_of.items()}
+    clear = {name: boxes for name, boxes in clear.items() if len(boxes) >= MIN_ROWS}
+    with tempfile.TemporaryDirectory() as scratch:
+        images = {}
+        for number in range(min(map(min, clear.values())), max(map(max, clear.values())) + 1):
+            images[number] = Path(scratch) / f"{number:06}.png"
+            program("frame", movie.video, "--number", number, "--out", images[number])
+        scores = {}
+        for name, boxes in clear.items():
+            first, last = min(boxes), max(boxes)
+            video = Path(scratch) / name
+            video.mkdir()
+            for number in range(first, last + 1):
+                os.link(images[number], video / images[number].name)
+            truth = [boxes.get(number) for number in range(first, last + 1)]
+            scores[f"{folder.name}/{name}"] = compare(video, truth, arguments)
+    return scores
+
+
+def mean_of(scores: dict[str, dict[str, Score]]) -> dict[str, dict[str, float]]:
+    return {tracker: {key: sum(getattr(of[tracker], key) for of in scores.values()) / len(scores)
+                      for key in ("auc", "frames_a_second")} for tracker in (OURS, *PEERS)}  # fmt: skip
 
 
 def returns_text(one: Score) -> str:
@@ -155,12 +183,12 @@ def returns_text(one: Score) -> str:
 
 def print_table(scores: dict[str, dict[str, Score]]) -> None:
     trackers = [OURS, *PEERS]
-    print(f"{'sequence':12}" + "".join(f"{tracker:>12}" for tracker in trackers))
+    print(f"{'sequence':32}" + "".join(f"{tracker:>12}" for tracker in trackers))
     for name, of_tracker in scores.items():
-        print(f"{name:12}" + "".join(f"{of_tracker[tracker].auc:12.3f}" for tracker in trackers))
-    for label, value in (("mean AUC", lambda one: one.auc), ("frames/s", lambda one: one.frames_a_second)):
-        means = [sum(value(of_tracker[t]) for of_tracker in scores.values()) / len(scores) for t in trackers]
-        print(f"{label:12}" + "".join(f"{mean:12.3f}" for mean in means))
+        print(f"{name:32}" + "".join(f"{of_tracker[tracker].auc:12.3f}" for tracker in trackers))
+    means = mean_of(scores)
+    for label, key in (("mean AUC", "auc"), ("frames/s", "frames_a_second")):
+        print(f"{label:32}" + "".join(f"{means[tracker][key]:12.3f}" for tracker in trackers))
     for name, of_tracker in scores.items():
         for tracker, one in of_tracker.items():
             if one.absent_frames:
@@ -173,11 +201,19 @@ def main() -> None:
     parser.add_argument("--peers", type=Path, default=Path("build/box-peers"))
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("--sequences", default=",".join(SEQUENCES))
+    parser.add_argument("--movies", nargs="+", type=Path, default=[], metavar="MOVIE")
     parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
-    scores = measure(arguments)
+    scores: dict[str, dict[str, Score]] = {}
+    for folder in arguments.movies:
+        scores |= measure_movie(folder, arguments)
+    if not arguments.movies:
+        scores = measure_sequences(arguments)
     if arguments.json:
-        print(json.dumps({name: {t: one._asdict() for t, one in s.items()} for name, s in scores.items()}, indent=1))
+        rows = {name: {tracker: one._asdict() for tracker, one in of.items()} for name, of in scores.items()}
+        mean = mean_of(scores)
+        lead = mean[OURS]["auc"] - max(mean[peer]["auc"] for peer in PEERS)
+        print(json.dumps(rows | {"mean": mean, "lead": lead}, indent=1))
     else:
         print_table(scores)
 

@@ -2,13 +2,13 @@
 """Measures precision and recall of the search for CAD models in movies with ground truth.
 
 Usage: cad_in_movies.py [MOVIE...] [--program build/victorious] [--models assets/models] [--params FILE]
-                        [--tool FILE] [--work build/cad_in_movies]
+                        [--tool FILE] [--work build/cad_in_movies] [--json]
 
 MOVIE is a scene (scenes/NAME.json), or a folder with video.mp4 and truth.jsonl; by default all scenes of the project
-except the demo and the single images of chapter 3. A scene is simulated into WORK/flights/NAME unless that folder
-exists; delete the folder if the renderer of --program has changed. Models are built in each run from DIR/NAME.glb of
---models, for every model name in the truth; names without such a file are reported and not searched for. Each movie is
-indexed once, with all its models together and its telemetry.csv if it exists, into WORK/NAME.db
+except the demo and the single images of chapter 3. A scene is simulated into WORK/flights, once by each build of
+--program. The models of --models, DIR/NAME.vmodel, are used as they are, or else built in each run from DIR/NAME.glb,
+for every model name in the truth; names without such a file are reported and not searched for. Each movie is indexed
+once, with all its models together and its telemetry.csv if it exists, into WORK/NAME.db
 (`victorious sheet --db WORK/NAME.db --out OUT.jpg` draws the detections).
 
 Prints one row per movie, then rows over all movies, those without and with noise, and each model:
@@ -23,6 +23,10 @@ Prints one row per movie, then rows over all movies, those without and with nois
 Every movie's precision and recall must equal those of `victorious evaluate --json`. --tool names an independent scorer
 (--truth, --objects, --sightings, --models, --json; the same keys as `evaluate`), which must agree as well. A
 disagreement is reported, and the exit status is 1.
+
+With --json an object instead: by movie and by model, `all`, `without_noise`, `with_noise`: precision, recall, view,
+detected, clear; of movies and of `all` also what `evaluate` says of objects (found, findable, false_objects, the mean
+ids_per_object), of movies cep50_m, cep75_m, cep90_m, errors_m; and `farthest`: the movie with the largest cep90_m.
 """
 
 import argparse
@@ -37,7 +41,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from movies import Movie, Program, is_clear, pair
+from movies import Movie, Program, flight, is_clear, pair
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 RIGHT_VIEW_DEG = 10
@@ -85,6 +89,7 @@ class Result:
     recall_of: dict[str, float] = field(default_factory=dict)  # by findable object
     frames: int = 0
     seconds: float = 0
+    score: dict = field(default_factory=dict)  # of `victorious evaluate`
 
     def total(self) -> Tally:
         total = Tally(frames=self.frames, seconds=self.seconds)
@@ -113,11 +118,8 @@ def simulated(program: Program, movie: Path, work: Path) -> Path:
     """Returns the folder of a movie; simulates it first if it is a scene."""
     if movie.is_dir():
         return movie
-    folder = work / "flights" / movie.stem
-    if not (folder / "video.mp4").exists():  # written last
-        print(f"simulating {movie}", file=sys.stderr, flush=True)
-        program("simulate", movie, "--out", folder)
-    return folder
+    print(f"simulating {movie}", file=sys.stderr, flush=True)
+    return flight(program, movie, work / "flights")
 
 
 def noise_of(movie: Path) -> float | None:
@@ -131,21 +133,26 @@ class Models:
 
     def __init__(self, program: Program, cad: Path, folder: Path):
         self.program, self.cad, self.folder = program, cad, folder
-        self.made: set[str] = set()
 
-    def has_cad(self, name: str) -> bool:
-        return (self.cad / f"{name}.glb").exists()
+    def has(self, name: str) -> bool:
+        return any((self.cad / f"{name}.{ending}").exists() for ending in ("vmodel", "glb"))
+
+    def made_of(self, model: str) -> Path:
+        """The file of a model, built if there is none."""
+        ready, own = self.cad / f"{model}.vmodel", self.folder / f"{model}.vmodel"
+        if ready.exists():
+            return ready
+        if not own.exists():
+            print(f"making a model of {self.cad / model}.glb", file=sys.stderr, flush=True)
+            self.program("model", "add", model, self.cad / f"{model}.glb", "--models", self.folder)
+        return own
 
     def library(self, name: str, models: list[str]) -> Path:
         """Makes a library of only these models."""
         library = self.folder / "of" / name
         library.mkdir(parents=True)
         for model in models:
-            if model not in self.made:
-                print(f"making a model of {self.cad / model}.glb", file=sys.stderr, flush=True)
-                self.program("model", "add", model, self.cad / f"{model}.glb", "--models", self.folder)
-                self.made.add(model)
-            (library / f"{model}.vmodel").symlink_to((self.folder / f"{model}.vmodel").resolve())
+            (library / f"{model}.vmodel").symlink_to(self.made_of(model).resolve())
         return library
 
 
@@ -212,7 +219,7 @@ def measure(program: Program, movie: Movie, name: str, models: Models, arguments
     result = tally(movie, sightings)
     result.frames, result.seconds = frames, seconds
     flags = ("--db", db, "--truth", movie.truth, "--models", ",".join(movie.models()), "--json")
-    score = json.loads(program("evaluate", *flags))
+    score = result.score = json.loads(program("evaluate", *flags))
     total = result.total()
     counted = {"sighting_precision": total.precision(), "sighting_recall": total.recall()}
     disagreements = differences(score, counted, f"{name}: evaluate beside the counts:")
@@ -229,10 +236,11 @@ def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("movies", nargs="*", type=Path, metavar="MOVIE", help="scenes, or folders of movies")
     parser.add_argument("--program", default=str(REPOSITORY / "build/victorious"))
-    parser.add_argument("--models", type=Path, default=REPOSITORY / "assets/models", help="CAD files, NAME.glb")
+    parser.add_argument("--models", type=Path, default=REPOSITORY / "assets/models", help="NAME.vmodel, or CAD files NAME.glb")
     parser.add_argument("--params", type=Path, help="parameters of the index run, JSON")
     parser.add_argument("--tool", type=Path, help="a scorer that must agree")
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/cad_in_movies", help="flights, indexes")
+    parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     scenes = sorted((REPOSITORY / "scenes").glob("*.json"))
     scenes = [path for path in scenes if path.stem != "demo" and not path.stem.startswith("chapter3_")]
@@ -247,28 +255,58 @@ def parse() -> argparse.Namespace:
     return arguments
 
 
-def run(arguments: argparse.Namespace, program: Program, models: Models) -> dict[str, Tally]:
-    """Prints one row per movie. Returns the sums."""
+def fractions(total: Tally) -> dict:
+    return {"precision": total.precision(), "recall": total.recall(), "view": ratio(total.right_view, total.with_view),
+            "detected": total.detected, "clear": total.clear_rows}  # fmt: skip
+
+
+def objects_of(scores: list[dict]) -> dict:
+    """What `evaluate` says of the objects of these movies."""
+    ids = [one["ids"] for score in scores for one in score["per_object"].values() if one["ids"]]
+    return {key: sum(score[key] for score in scores) for key in ("found", "findable", "false_objects")} | {
+        "ids_per_object": ratio(sum(ids), len(ids))}  # fmt: skip
+
+
+def place_of(score: dict) -> dict:
+    errors = [one["error_m"] for one in score["per_object"].values() if one["error_m"] is not None]
+    return {key: score[key] for key in ("cep50_m", "cep75_m", "cep90_m")} | {"errors_m": errors}
+
+
+def report_of(results: dict[str, Result], pooled: dict[str, Tally]) -> dict:
+    """What --json prints."""
+    places = {name: place_of(result.score) for name, result in results.items()}
+    report = {name.replace(" ", "_"): fractions(total) for name, total in pooled.items()}
+    for name, result in results.items():
+        report[name] = fractions(result.total()) | objects_of([result.score]) | places[name]
+    report["all"] |= objects_of([result.score for result in results.values()])
+    farthest = max(places, key=lambda name: places[name]["cep90_m"] or 0, default=None)
+    return report | ({"farthest": {"movie": farthest} | places[farthest]} if farthest else {})
+
+
+def run(arguments: argparse.Namespace, program: Program, models: Models) -> tuple[dict[str, Result], dict[str, Tally]]:
+    """Prints one row per movie. Returns the results by movie, and the sums."""
     pooled: dict[str, Tally] = {"all": Tally(), "without noise": Tally(), "with noise": Tally()}
-    print(HEAD, flush=True)
+    results: dict[str, Result] = {}
+    shown_on = sys.stderr if arguments.json else sys.stdout
+    print(HEAD, file=shown_on, flush=True)
     for path in arguments.movies:
         folder = simulated(program, path, arguments.work)
         named = Movie(folder).models()
-        movie = Movie(folder, {name for name in named if models.has_cad(name)})
+        movie = Movie(folder, {name for name in named if models.has(name)})
         for name in sorted(set(named) - set(movie.models())):
-            print(f"{path}: no {arguments.models / name}.glb: not searched for", file=sys.stderr, flush=True)
+            print(f"{path}: no {arguments.models / name}.vmodel or .glb: not searched for", file=sys.stderr, flush=True)
         if not movie.models():
             continue
-        result = measure(program, movie, path.stem, models, arguments)
+        result = results[path.stem] = measure(program, movie, path.stem, models, arguments)
         recalls = "  ".join(f"{name} {shown(value)}" for name, value in result.recall_of.items())
-        print(result.total().line(path.stem, recalls), flush=True)
+        print(result.total().line(path.stem, recalls), file=shown_on, flush=True)
         noise = noise_of(path)
         pooled["all"].add(result.total())
         if noise is not None:
             pooled["with noise" if noise else "without noise"].add(result.total())
         for model, of_model in result.of_model.items():
             pooled.setdefault(model, Tally()).add(of_model)
-    return pooled
+    return results, pooled
 
 
 def main() -> int:
@@ -276,7 +314,10 @@ def main() -> int:
     arguments.work.mkdir(parents=True, exist_ok=True)
     program = Program(arguments.program)
     with tempfile.TemporaryDirectory() as scratch:
-        pooled = run(arguments, program, Models(program, arguments.models, Path(scratch)))
+        results, pooled = run(arguments, program, Models(program, arguments.models, Path(scratch)))
+    if arguments.json:
+        print(json.dumps(report_of(results, pooled)))
+        return 1 if arguments.disagreed else 0
     print()
     for name, total in pooled.items():
         if total.clear_rows:

@@ -2,7 +2,7 @@
 """Trains the detector by channels on aerial pictures with a box for every vehicle, and measures it on others.
 
 Usage: channels.py [--seeds 1 2 3] [--program build/victorious] [--data DIR] [--params FILE] [--threads 2]
-                   [--score 0.01] [--copies 8] [--sightings FILE]
+                   [--score 0.01] [--copies 8] [--sightings FILE] [--json]
 
 Data: $VICTORIOUS_DATA/real/aerial: its train split, all classes as the one category `vehicle`, with the rectangles of
 ignore.csv as `ignored`; and its test split. For each seed: `category train`, `index` of all pictures, `export`. A
@@ -14,6 +14,7 @@ sighting and a box whose centre lies in a rectangle of ignore.csv do not count. 
   time         processor time of the training; processor time and wall time of a search of 1920 x 1080 px, from
                the difference of `index` for N + 1 copies of one such picture and for one, with their decoding
 
+With --json an object instead, in which `mean` also has the least and the greatest of the seeds.
 With --sightings, those of the last seed are left there, for other scorers. Exits with 77 if there is no such data.
 """
 
@@ -21,19 +22,15 @@ import argparse
 import csv
 import json
 import os
-import resource
-import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from collections import defaultdict
 from pathlib import Path
 
-from detectors import SKIPPED, average_precision, iou, is_ignored, read_boxes
+from detectors import SKIPPED, average_precision, iou, is_ignored, processor_time, read_boxes, time_of_search
 
 MIN_IOU = 0.5
-LARGE_PICTURE = "images/minsk_DJI_0005-0018.jpg"
 SIZES = ((16, 1e9), (16, 32), (32, 64), (64, 1e9))
 VIEWS = ("nadir", "oblique", "both")
 
@@ -64,11 +61,6 @@ def judge(found: list[dict], truth: list[list[float]], smallest: float, largest:
         if is_counted:
             judged.append((one["score"], hit))
     return judged
-
-
-def processor_time() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 class Bench:
@@ -137,18 +129,20 @@ class Bench:
         return result
 
     def speed(self) -> dict:
-        """Of one search of 1920 x 1080 px: what N copies take more than one."""
-        spent = []
-        for count in (1, 1 + self.arguments.copies):
-            folder = self.scratch / f"copies{count}"
-            folder.mkdir(exist_ok=True)
-            for i in range(count):
-                shutil.copyfile(self.aerial / LARGE_PICTURE, folder / f"{i:03}.jpg")
-            before, start = processor_time(), time.monotonic()
-            self.index([folder], 0.5)
-            spent.append((processor_time() - before, time.monotonic() - start))
-        processor, wall = ((b - a) / self.arguments.copies for a, b in zip(*spent))
+        processor, wall = time_of_search(lambda folder: self.index([folder], 0.5), self.aerial, self.arguments.copies, self.scratch)
         return {"processor_s": processor, "wall_s": wall, "threads": self.arguments.threads}
+
+
+def mean_of(results: list[dict], train_s: list[float]) -> dict:
+    """Of the seeds, with the least and the greatest."""
+
+    def of(values: list[float]) -> dict[str, float]:
+        return {"mean": sum(values) / len(values), "least": min(values), "greatest": max(values)}
+
+    sizes = [key for key in results[0] if key != "calibration"]
+    calibration = {key: of([one["calibration"][key] for one in results]) for key in results[0]["calibration"]}
+    return {key: of([one[key]["ap50"] for one in results]) | {"boxes": results[0][key]["boxes"]} for key in sizes} | {
+        "calibration": calibration, "train_s": of(train_s)}  # fmt: skip
 
 
 def main() -> int:
@@ -161,28 +155,32 @@ def main() -> int:
     parser.add_argument("--score", type=float, default=0.01, help="minimum probability of the ranked sightings")
     parser.add_argument("--copies", type=int, default=8, help="of the picture that is timed")
     parser.add_argument("--sightings", type=Path)
+    parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     aerial = (arguments.data / "real" / "aerial").resolve()
     if not aerial.is_dir():
         print(f"SKIPPED: no outside data at {aerial}")
         return SKIPPED
-    results = []
+    shown = sys.stderr if arguments.json else sys.stdout
+    results, train_s = [], []
     with tempfile.TemporaryDirectory() as scratch:
         bench = Bench(arguments, aerial, Path(scratch))
         for seed in arguments.seeds:
-            train_s = bench.train(seed)
-            scores = bench.score(bench.sightings())
-            results.append(scores)
-            print(f"seed {seed}: trained in {train_s:.0f} s of processor time; calibration "
-                  + json.dumps({key: round(value, 3) for key, value in scores["calibration"].items()}))  # fmt: skip
-            for key, value in scores.items():
+            train_s.append(bench.train(seed))
+            results.append(bench.score(bench.sightings()))
+            print(f"seed {seed}: trained in {train_s[-1]:.0f} s of processor time; calibration "
+                  + json.dumps({key: round(value, 3) for key, value in results[-1]["calibration"].items()}), file=shown)  # fmt: skip
+            for key, value in results[-1].items():
                 if key != "calibration":
-                    print(f"  {key:28} {value['boxes']:4} boxes  AP50 {value['ap50']:.3f}", flush=True)
-        print("mean of the seeds")
-        for key in results[0]:
-            if key != "calibration":
-                print(f"  {key:28} AP50 {sum(one[key]['ap50'] for one in results) / len(results):.3f}")
-        print("search of 1920 x 1080 px: " + json.dumps({key: round(value, 3) for key, value in bench.speed().items()}))
+                    print(f"  {key:28} {value['boxes']:4} boxes  AP50 {value['ap50']:.3f}", file=shown, flush=True)
+        mean, speed = mean_of(results, train_s), bench.speed()
+        print("mean of the seeds", file=shown)
+        for key, value in mean.items():
+            if "boxes" in value:
+                print(f"  {key:28} AP50 {value['mean']:.3f}", file=shown)
+        print("search of 1920 x 1080 px: " + json.dumps({key: round(value, 3) for key, value in speed.items()}), file=shown)
+    if arguments.json:
+        print(json.dumps({"seeds": results, "mean": mean, "speed": speed}))
     return 0
 
 

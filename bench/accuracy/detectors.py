@@ -2,7 +2,7 @@
 """Measures an imported detector on aerial pictures with a box for every vehicle ($VICTORIOUS_DATA/real/aerial).
 
 Usage: detectors.py NETWORK --classes FILE [--weights FILE] [--category car] [--split test] [--program build/victorious]
-                    [--data DIR] [--score 0.01] [--tile-px N] [--no-tiles]
+                    [--data DIR] [--score 0.01] [--tile-px N] [--no-tiles] [--copies N] [--json]
 
 Imports the network, indexes each picture, and compares the sightings of one category with the boxes of all vehicles.
 A sighting and a box whose centre lies in a rectangle of ignore.csv do not count. Prints, for each view and for both:
@@ -10,7 +10,8 @@ A sighting and a box whose centre lies in a rectangle of ignore.csv do not count
   pictures, boxes   of the split
   AP50              area under precision over recall, sightings of all pictures ranked by score, IoU 0.5 or more
   recall, precision at the network's own minimum score
-  time              processor time of the whole index a picture, s
+  time              processor time of the whole index a picture, s; with --copies, also of a search of 1920 x 1080 px,
+                    from the difference of `index` for N + 1 copies of one such picture and for one, with their decoding
 
 Exits with 77 if there is no such data.
 """
@@ -20,14 +21,19 @@ import csv
 import json
 import os
 import resource
-import subprocess
+import shutil
 import sys
 import tempfile
+import time
 from collections import defaultdict
+from collections.abc import Callable
 from pathlib import Path
+
+from movies import Program, lines
 
 SKIPPED = 77
 MIN_IOU = 0.5
+LARGE_PICTURE = "images/minsk_DJI_0005-0018.jpg"  # 1920 x 1080 px
 
 
 def iou(a: list[float], b: list[float]) -> float:
@@ -77,6 +83,57 @@ def judge(found: list[dict], boxes: list[list[float]]) -> list[tuple[float, bool
     return judged
 
 
+def processor_time() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def time_of_search(index: Callable[[Path], object], aerial: Path, copies: int, scratch: Path) -> tuple[float, float]:
+    """Processor time and wall time of one search of 1920 x 1080 px: what N copies of a picture take more than one."""
+    spent = []
+    for count in (1, 1 + copies):
+        folder = scratch / f"copies{count}"
+        folder.mkdir(exist_ok=True)
+        for i in range(count):
+            shutil.copyfile(aerial / LARGE_PICTURE, folder / f"{i:03}.jpg")
+        before, start = processor_time(), time.monotonic()
+        index(folder)
+        spent.append((processor_time() - before, time.monotonic() - start))
+    processor, wall = ((b - a) / copies for a, b in zip(*spent))
+    return processor, wall
+
+
+class Detector:
+    """The imported network."""
+
+    def __init__(self, arguments: argparse.Namespace, scratch: Path):
+        self.program, self.scratch, self.arguments = Program(arguments.program), scratch, arguments
+        weights = ["--weights", arguments.weights] if arguments.weights else []
+        made = self.program("category", "import", arguments.network, "--classes", arguments.classes, "--out",
+                            scratch / "net.vcat", "--json", *weights)  # fmt: skip
+        self.own_score = json.loads(made)["settings"]["min_score"]
+
+    def index(self, *videos: Path, **settings) -> Path:
+        db, params = self.scratch / "index.db", self.scratch / "params.json"
+        db.unlink(missing_ok=True)
+        tiles = {"tile_px": self.arguments.tile_px, "tiles": not self.arguments.no_tiles}
+        params.write_text(json.dumps({"detector": tiles | settings, "keep": {"interval_s": -1}}))
+        self.program("index", *videos, "--categories", self.scratch / "net.vcat", "--db", db, "--params", params)
+        return db
+
+
+def score(found: dict, boxes: dict, ignored: dict, pictures: list[str], own_score: float) -> dict:
+    judged, count = [], 0
+    for name in pictures:
+        truth = [box for box in boxes[name] if not is_ignored(box, ignored[name])]
+        judged += judge([one for one in found[name] if not is_ignored(one["box"], ignored[name])], truth)
+        count += len(truth)
+    judged.sort(key=lambda one: -one[0])
+    strong = [hit for probability, hit in judged if probability >= own_score]
+    return {"pictures": len(pictures), "boxes": count, "ap50": average_precision([hit for _, hit in judged], count),
+            "recall": sum(strong) / count if count else 0, "precision": sum(strong) / len(strong) if strong else 0}  # fmt: skip
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("network", type=Path)
@@ -84,11 +141,13 @@ def main() -> int:
     parser.add_argument("--weights", type=Path)
     parser.add_argument("--category", default="car")
     parser.add_argument("--split", default="test")
-    parser.add_argument("--program", type=Path, default=Path("build/victorious"))
+    parser.add_argument("--program", default="build/victorious")
     parser.add_argument("--data", type=Path, default=Path(os.environ.get("VICTORIOUS_DATA", "../shared/data")))
     parser.add_argument("--score", type=float, default=0.01, help="minimum score of the ranked sightings")
     parser.add_argument("--tile-px", type=int, default=0)
     parser.add_argument("--no-tiles", action="store_true")
+    parser.add_argument("--copies", type=int, default=0, help="of the picture that is timed; 0: none is")
+    parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     aerial = (arguments.data / "real" / "aerial").resolve()
     if not aerial.is_dir():
@@ -97,57 +156,28 @@ def main() -> int:
     with open(aerial / "split.csv", newline="") as file:
         view_of = {row["image"]: row["view"] for row in csv.DictReader(file) if row["split"] == arguments.split}
     boxes, ignored = read_boxes(aerial / "boxes.csv"), read_boxes(aerial / "ignore.csv")
+    shown = sys.stderr if arguments.json else sys.stdout
     with tempfile.TemporaryDirectory() as scratch:
-        run = lambda *words: subprocess.run(  # noqa: E731
-            [arguments.program, *map(str, words)], check=True, capture_output=True, text=True
-        ).stdout
-        detector, db, params = Path(scratch) / "net.vcat", Path(scratch) / "index.db", Path(scratch) / "params.json"
-        weights = ["--weights", arguments.weights] if arguments.weights else []
-        made = json.loads(
-            run("category", "import", arguments.network, "--classes", arguments.classes, "--out", detector, "--json", *weights)
-        )
-        own_score = made["settings"]["min_score"]
-        params.write_text(
-            json.dumps(
-                {
-                    "detector": {
-                        "min_score": arguments.score,
-                        "tile_px": arguments.tile_px,
-                        "tiles": not arguments.no_tiles,
-                    },
-                    "keep": {"interval_s": -1},
-                }
-            )
-        )
-        pictures = [aerial / name for name in view_of]
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        run("index", *pictures, "--categories", detector, "--db", db, "--params", params)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        detector = Detector(arguments, Path(scratch))
+        before = processor_time()
+        db = detector.index(*(aerial / name for name in view_of), min_score=arguments.score)
+        results: dict[str, object] = {"picture_s": (processor_time() - before) / len(view_of)}
         found = defaultdict(list)
-        for line in run("export", "--db", db, "--format", "sightings", "--rejected").splitlines():
-            one = json.loads(line)
+        for one in lines(detector.program("export", "--db", db, "--format", "sightings", "--rejected")):
             if one["category"] == arguments.category:
                 found[os.path.relpath(one["video"], aerial)].append(one)
-    print(f"{arguments.network.name}, {arguments.category}, split {arguments.split}: {seconds / len(pictures):.2f} s a picture")
-    for view in ("nadir", "oblique", "both"):
-        judged, count, images = [], 0, 0
-        for name, own_view in view_of.items():
-            if view not in (own_view, "both"):
-                continue
-            truth = [box for box in boxes[name] if not is_ignored(box, ignored[name])]
-            sightings = [one for one in found[name] if not is_ignored(one["box"], ignored[name])]
-            judged += judge(sightings, truth)
-            count += len(truth)
-            images += 1
-        judged.sort(key=lambda one: -one[0])
-        strong = [hit for score, hit in judged if score >= own_score]
-        recall = sum(strong) / count if count else 0
-        precision = sum(strong) / len(strong) if strong else 0
-        print(
-            f"{view:8} {images:3} pictures {count:4} boxes  AP50 {average_precision([hit for _, hit in judged], count):.3f}"
-            f"  at score {own_score:g}: recall {recall:.2f} precision {precision:.2f}"
-        )
+        print(f"{arguments.network.name}, {arguments.category}, split {arguments.split}: {results['picture_s']:.2f} s a picture",
+              file=shown)  # fmt: skip
+        for view in ("nadir", "oblique", "both"):
+            pictures = [name for name, own_view in view_of.items() if view in (own_view, "both")]
+            results[view] = one = score(found, boxes, ignored, pictures, detector.own_score)
+            print(f"{view:8} {one['pictures']:3} pictures {one['boxes']:4} boxes  AP50 {one['ap50']:.3f}  at score "
+                  f"{detector.own_score:g}: recall {one['recall']:.2f} precision {one['precision']:.2f}", file=shown)  # fmt: skip
+        if arguments.copies:
+            results["search_s"] = time_of_search(detector.index, aerial, arguments.copies, Path(scratch))[0]
+            print(f"search of 1920 x 1080 px: {results['search_s']:.2f} s of processor time", file=shown)
+    if arguments.json:
+        print(json.dumps(results))
     return 0
 
 

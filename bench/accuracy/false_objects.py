@@ -4,18 +4,21 @@
 Usage: false_objects.py [VIDEO...] --models DIR [--program build/victorious] [--flights 10] [--first 1] [--frames 60]
                         [--fps 1] [--params FILE] [--work build/false_objects] [--json]
 
-All CAD models of DIR (*.glb) are searched for together in videos that do not contain them: FLIGHTS simulated flights of
-FRAMES frames at FPS frames/s over towns without them, from number FIRST on, and each VIDEO. The flight number seeds the town and its parked
-vehicles, the sun, the height, off-nadir angle, speed and rotation of the camera, noise, blur and sensor noise. The
-vehicles of assets/models parked in the towns are of other makes than those of DIR, but similar (distractors). Flights
-and models that exist in WORK are reused; delete WORK after a change.
+All models of DIR (*.vmodel, or else CAD files, *.glb) are searched for together in videos that do not contain them:
+FLIGHTS simulated flights of FRAMES frames at FPS frames/s over towns without them, from number FIRST on, and each
+VIDEO. The flight number seeds the town and its parked vehicles, the sun, the height, off-nadir angle, speed and
+rotation of the camera, noise, blur and sensor noise. The vehicles of assets/models parked in the towns are of other
+makes than those of DIR, but similar (distractors). Flights that exist in WORK are reused, models made there of CAD
+files, and what the same program has counted in a video with the same models and parameters: a run that was stopped
+goes on.
 
 Prints one row per video: frames, duration in seconds, sightings, objects, and frames/s of `victorious index`. Then, per
 kind of video and in total: false objects, false objects per hour, and the 95 % upper limit of the Poisson rate; with
---json these as an object instead.
+--json these as an object instead, and `videos`: the counts of each.
 """
 
 import argparse
+import hashlib
 import json
 import math
 import random
@@ -100,7 +103,26 @@ def flight(program: Program, number: int, work: Path, frames: int, fps: float) -
     return folder / "video.mp4"
 
 
+def digest_of(*files: Path | None) -> str:
+    """Of the content of files; folders stand for the files in them."""
+    digest = hashlib.sha256()
+    for file in files:
+        for one in sorted(file.iterdir()) if file and file.is_dir() else [file]:
+            digest.update(one.read_bytes() if one else b"none")
+    return digest.hexdigest()
+
+
 def count(program: Program, video: Path, library: Path, db: Path, params: Path | None) -> tuple[Tally, float]:
+    """What `index` finds in the video, and how long it takes, s."""
+    kept, origin = db.with_suffix(".counts.json"), digest_of(Path(program.path), library, params)
+    if kept.exists() and (before := json.loads(kept.read_text()))["origin"] == origin:
+        return Tally(**before["tally"]), before["took_s"]
+    tally, took = count_anew(program, video, library, db, params)
+    kept.write_text(json.dumps({"origin": origin, "tally": vars(tally), "took_s": took}))
+    return tally, took
+
+
+def count_anew(program: Program, video: Path, library: Path, db: Path, params: Path | None) -> tuple[Tally, float]:
     for leftover in db.parent.glob(f"{db.name}*"):
         leftover.unlink()
     telemetry = video.parent / "telemetry.csv"
@@ -132,15 +154,17 @@ def main():
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/false_objects")
     arguments = parser.parse_args()
     program, work = Program(str(arguments.program)), arguments.work
-    library = work / "models"
-    library.mkdir(parents=True, exist_ok=True)
-    for file in sorted(arguments.models.glob("*.glb")):
+    work.mkdir(parents=True, exist_ok=True)
+    is_ready = any(arguments.models.glob("*.vmodel"))
+    library = arguments.models if is_ready else work / "models"
+    for file in [] if is_ready else sorted(arguments.models.glob("*.glb")):
         if not (library / f"{file.stem}.vmodel").exists():
             print(f"adding {file.stem}", file=sys.stderr, flush=True)
             program("model", "add", file.stem, file, "--models", library)
     print(f"{len(list(library.glob('*.vmodel')))} models", file=sys.stderr)
 
     shown = sys.stderr if arguments.json else sys.stdout
+    counts: dict[str, dict] = {}
     of_kind = {"empty town": Tally(), "video": Tally(), "together": Tally()}
     print(f"{'':<40}{'frames':>8}{'seconds':>9}{'sightings':>11}{'objects':>9}{'frames/s':>10}", file=shown)
     towns = [flight(program, n, work, arguments.frames, arguments.fps) for n in range(arguments.first, arguments.first + arguments.flights)]
@@ -148,6 +172,7 @@ def main():
         for video in videos:
             name = video.parent.name if kind == "empty town" else video.stem
             tally, took = count(program, video, library, work / f"{name}.db", arguments.params)
+            counts[name] = dict(vars(tally))
             of_kind[kind].add(tally)
             of_kind["together"].add(tally)
             print(f"{name:<40}{tally.frames:>8}{tally.seconds:>9.0f}{tally.sightings:>11}{tally.objects:>9}"
@@ -158,7 +183,7 @@ def main():
                   f"{tally.hourly():.1f} an hour, below {tally.below():.1f} with 95 %", file=shown)  # fmt: skip
     if arguments.json:
         print(json.dumps({kind.replace(" ", "_"): vars(tally) | {"hourly": tally.hourly(), "below": tally.below()}
-                          for kind, tally in of_kind.items() if tally.seconds}))  # fmt: skip
+                          for kind, tally in of_kind.items() if tally.seconds} | {"videos": counts}))  # fmt: skip
 
 
 if __name__ == "__main__":

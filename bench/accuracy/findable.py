@@ -3,12 +3,13 @@
 
 Usage: findable.py [--program build/victorious] [--models assets/models] [--scene scenes/circle_noise.json]
                    [--names jeep,tank,jet] [--frames 24] [--far 1,1.8,2.7] [--noise 0,0.07]
-                   [--directions 24] [--work build/findable]
+                   [--directions 24] [--work build/findable] [--json]
 
 The scene is simulated with FRAMES frames, for each distance factor of FAR and each noise level, into a folder of WORK
 unless that folder exists, and indexed with its telemetry. Prints one row per flight and model: the median size of the
 clear rows (the longer side of their box), the measured recall, and the recall predicted for that size, that noise and
-the scene's sun. Then the mean absolute error, and the mean of prediction minus measurement.
+the scene's sun. Then the mean absolute error, and the mean of prediction minus measurement. With --json an object
+instead: by model, a list of its rows: noise, far, size_px, rows, found, foretold.
 """
 
 import argparse
@@ -49,6 +50,7 @@ def main():
     parser.add_argument("--noise", default="0,0.07")
     parser.add_argument("--directions", type=int, default=24)
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/findable")
+    parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     program, work, names = Program(str(arguments.program)), arguments.work, arguments.names.split(",")
     scene = json.loads(arguments.scene.read_text())
@@ -60,7 +62,9 @@ def main():
             program("model", "add", name, arguments.models / f"{name}.glb", "--models", library)
 
     errors = []
-    print(f"{'model':<12}{'noise':>6}{'size':>7}{'rows':>6}{'found':>8}{'foretold':>10}")
+    report: dict[str, list[dict]] = {name: [] for name in names}
+    shown_on = sys.stderr if arguments.json else sys.stdout
+    print(f"{'model':<12}{'noise':>6}{'size':>7}{'rows':>6}{'found':>8}{'foretold':>10}", file=shown_on)
     for noise in map(float, arguments.noise.split(",")):
         for far in map(float, arguments.far.split(",")):
             folder = flight(program, scene, work, far, noise, arguments.frames)
@@ -85,8 +89,12 @@ def main():
                                 "--noise", noise, "--directions", arguments.directions, "--sun", scene["sun"]["elevation_deg"])  # fmt: skip
                 foretold = json.loads(shown)["findable"]["found"]
                 errors.append(foretold - found)
-                print(f"{name:<12}{noise:>6g}{size:>7}{len(rows):>6}{found:>8.2f}{foretold:>10.2f}", flush=True)
-    print(f"mean error {statistics.mean(map(abs, errors)):.2f}, foretold less found {statistics.mean(errors):+.2f}")
+                report[name].append({"noise": noise, "far": far, "size_px": size, "rows": len(rows), "found": found,
+                                     "foretold": foretold})  # fmt: skip
+                print(f"{name:<12}{noise:>6g}{size:>7}{len(rows):>6}{found:>8.2f}{foretold:>10.2f}", file=shown_on, flush=True)
+    print(f"mean error {statistics.mean(map(abs, errors)):.2f}, foretold less found {statistics.mean(errors):+.2f}", file=shown_on)
+    if arguments.json:
+        print(json.dumps(report))
 
 
 if __name__ == "__main__":

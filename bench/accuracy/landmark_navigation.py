@@ -2,7 +2,7 @@
 """Measures the accuracy of the camera poses that `victorious navigate` estimates.
 
 Usage: landmark_navigation.py MOVIE --models DIR [--landmarks truth|DB] [--case NAME...] [--seeds N]
-                              [--program build/victorious] [--params FILE] [--work build/landmark_navigation]
+                              [--program build/victorious] [--params FILE] [--work build/landmark_navigation] [--json]
 
 MOVIE is a folder with video.mp4, telemetry.csv (exact) and truth.jsonl; DIR contains the models of its objects.
 Landmarks are the static objects of the truth at their exact places, or the objects of an index DB. Cases:
@@ -14,11 +14,12 @@ Landmarks are the static objects of the truth at their exact places, or the obje
   none     no telemetry, only the field of view
   moved    as drift, and the landmark visible longest is given 50 m from its true place
   unmoved  as none, and the landmark visible longest is given 50 m from its true place
+  indexed  as drift, and the landmarks are the objects of an index of MOVIE, which is made with the exact telemetry
 
 Prints one row per case and seed, with errors of the position (m) and of the attitude (degrees) over all frames: median
 and 95 % quantile for the telemetry and for the result; the fraction of frames whose truth lies in the 90 % ellipsoid of
 the position, and in the 90 % sphere of the attitude; the number of frames with a landmark; the median time per frame in
-ms while landmarks are tracked, and the CPU time.
+ms while landmarks are tracked, and the CPU time. With --json an object instead: of each case a list, by seed.
 """
 
 import argparse
@@ -33,7 +34,7 @@ from pathlib import Path
 from movies import Movie, Program
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-CASES = ("drift", "noise", "ramp", "none", "moved", "unmoved")
+CASES = ("drift", "noise", "ramp", "none", "moved", "unmoved", "indexed")
 CHI_SQUARED_90_OF_3 = 6.2513886
 EQUATOR_M, FLATTENING = 6378137.0, 1 / 298.257223563
 
@@ -154,7 +155,30 @@ def true_landmarks(movie: Movie, models: Path) -> list[dict]:
     ]
 
 
-def measure(program: Program, movie: Movie, case: str, seed: int, arguments: argparse.Namespace) -> str:
+def landmarks_of(program: Program, movie: Movie, case: str, work: Path, arguments: argparse.Namespace) -> str | Path:
+    """The list or the index that `navigate` reads."""
+    if case == "indexed":
+        db = work / "index.db"
+        db.unlink(missing_ok=True)
+        program("index", movie.video, "--models", arguments.models, "--db", db, "--telemetry", movie.telemetry)
+        return db
+    if arguments.landmarks != "truth":
+        return arguments.landmarks
+    known = true_landmarks(movie, arguments.models)
+    if case in ("moved", "unmoved"):
+        known[0] = moved(known[0], 30, 40, 0)
+    landmarks = work / "landmarks.jsonl"
+    landmarks.write_text("".join(json.dumps(landmark) + "\n" for landmark in known))
+    return landmarks
+
+
+def quantiles(metres: list[float], degrees: list[float]) -> dict[str, float]:
+    return {f"{name}{percent}": quantile(values, percent / 100)
+            for name, values in (("m", metres), ("deg", degrees)) for percent in (50, 95)}  # fmt: skip
+
+
+def measure(program: Program, movie: Movie, case: str, seed: int, arguments: argparse.Namespace) -> dict:
+    """Of no frame, if no landmark was recognised."""
     work = arguments.work / f"{movie.folder.name}_{case}_{seed}"
     work.mkdir(parents=True, exist_ok=True)
     truth = read_table(movie.telemetry)
@@ -164,13 +188,7 @@ def measure(program: Program, movie: Movie, case: str, seed: int, arguments: arg
         given = spoiled(truth, case, seed)
         write_table(given, work / "telemetry.csv")
         flags = ["--telemetry", work / "telemetry.csv"]
-    landmarks = arguments.landmarks
-    if landmarks == "truth":
-        known = true_landmarks(movie, arguments.models)
-        if case in ("moved", "unmoved"):
-            known[0] = moved(known[0], 30, 40, 0)
-        landmarks = work / "landmarks.jsonl"
-        landmarks.write_text("".join(json.dumps(landmark) + "\n" for landmark in known))
+    landmarks = landmarks_of(program, movie, case, work, arguments)
     if arguments.params:
         flags += ["--params", arguments.params]
     out = work / "camera.csv"
@@ -180,24 +198,35 @@ def measure(program: Program, movie: Movie, case: str, seed: int, arguments: arg
     (work / "said.txt").write_text(said)
     rows = read_table(out)
     errors = [apart(row, true) for row, true in zip(rows, truth)]
-    places = [math.hypot(*error) for error in errors]
+    if not errors:
+        return {"frames": 0}
     turns = [turn_deg(row, true) for row, true in zip(rows, truth)]
-    if not places:
-        return f"{case:<8}{seed:>5}  no landmark recognised"
     inside = sum(squared_sigmas(error, row) <= CHI_SQUARED_90_OF_3 for error, row in zip(errors, rows)) / len(rows)
     held = sum(
         turn <= math.sqrt(CHI_SQUARED_90_OF_3) * float(row["sigma_attitude_deg"]) for turn, row in zip(turns, rows)
     ) / len(rows)
-    seen = sum(int(row["landmarks"]) > 0 for row in rows)
     ms, cpu_ms = re.search(r"([\d.]+) ms per frame while landmarks are tracked, ([\d.]+)", said).groups()
-    before = f"{'-':>27}"
+    before = None
     if given:
         off = [math.hypot(*apart(row, true)) for row, true in zip(given, truth)]
-        off_deg = [turn_deg(row, true) for row, true in zip(given, truth)]
-        before = f"{quantile(off, 0.5):7.2f}{quantile(off, 0.95):7.2f}{quantile(off_deg, 0.5):6.2f}{quantile(off_deg, 0.95):7.2f}"
+        before = quantiles(off, [turn_deg(row, true) for row, true in zip(given, truth)])
+    return quantiles([math.hypot(*error) for error in errors], turns) | {
+        "given": before, "inside": inside, "held": held, "seen": sum(int(row["landmarks"]) > 0 for row in rows),
+        "frames": len(rows), "ms": float(ms), "cpu_ms": float(cpu_ms),
+    }  # fmt: skip
+
+
+def line_of(case: str, seed: int, one: dict) -> str:
+    if not one["frames"]:
+        return f"{case:<8}{seed:>5}  no landmark recognised"
+
+    def shown(of: dict) -> str:
+        return f"{of['m50']:7.2f}{of['m95']:7.2f}{of['deg50']:6.2f}"
+
+    before = f"{shown(one['given'])}{one['given']['deg95']:7.2f}" if one["given"] else f"{'-':>27}"
     return (
-        f"{case:<8}{seed:>5}{before} |{quantile(places, 0.5):7.2f}{quantile(places, 0.95):7.2f}"
-        f"{quantile(turns, 0.5):6.2f}{quantile(turns, 0.95):6.2f} |{inside:6.2f}{held:6.2f}{seen:6}/{len(rows)}{ms:>7}{cpu_ms:>6}"
+        f"{case:<8}{seed:>5}{before} |{shown(one)}{one['deg95']:6.2f} |{one['inside']:6.2f}{one['held']:6.2f}"
+        f"{one['seen']:6}/{one['frames']}{one['ms']:>7}{one['cpu_ms']:>6}"
     )
 
 
@@ -211,14 +240,21 @@ def main() -> None:
     parser.add_argument("--program", default=str(REPOSITORY / "build/victorious"))
     parser.add_argument("--params", type=Path)
     parser.add_argument("--work", type=Path, default=REPOSITORY / "build/landmark_navigation")
+    parser.add_argument("--json", action="store_true")
     arguments = parser.parse_args()
     movie = Movie(arguments.movie)
     if not movie.telemetry:
         parser.error(f"{arguments.movie}: has no telemetry.csv, by which to tell errors")
-    print(f"{'':<13}{'given: m':>8}{'':>6}{'deg':>6}{'':>7} |{'found: m':>9}{'':>5}{'deg':>6}{'':>6} | inside")
+    shown = sys.stderr if arguments.json else sys.stdout
+    print(f"{'':<13}{'given: m':>8}{'':>6}{'deg':>6}{'':>7} |{'found: m':>9}{'':>5}{'deg':>6}{'':>6} | inside", file=shown)
+    results: dict[str, list[dict]] = {}
     for case in arguments.case:
         for seed in range(1, (arguments.seeds if case not in ("none", "unmoved") else 1) + 1):
-            print(measure(Program(arguments.program), movie, case, seed, arguments), flush=True)
+            one = measure(Program(arguments.program), movie, case, seed, arguments)
+            results.setdefault(case, []).append(one)
+            print(line_of(case, seed, one), file=shown, flush=True)
+    if arguments.json:
+        print(json.dumps(results))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 The rules for clear rows, findable objects and pairs are those of `victorious evaluate`.
 """
 
+import hashlib
 import json
 import math
 import subprocess
@@ -65,6 +66,16 @@ class Program:
 
     def __call__(self, *arguments: object) -> str:
         return self.run(*arguments).stdout
+
+
+def flight(program: Program, scene: Path, folder: Path) -> Path:
+    """The simulated flight of a scene, made once by each build of the program: FOLDER/NAME-KEY."""
+    key = hashlib.sha256(Path(program.path).read_bytes() + scene.read_bytes()).hexdigest()[:12]
+    made = folder / f"{scene.stem}-{key}"
+    if not (made / "video.mp4").exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        program("simulate", scene, "--out", made)
+    return made
 
 
 def is_clear(row: dict) -> bool:
