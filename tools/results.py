@@ -167,22 +167,18 @@ def state(root: Path, run: Run, row: Row, figures: dict[str, Figure]) -> str:
 
 def list_rows(root: Path, runs: list[Run], figures: dict[str, Figure]) -> None:
     for run in runs:
-        cost = "by hand" if run.by_hand else f"{run.seconds:.0f} s"
         for row in run.rows:
             value = figures[row.name].value if row.name in figures else "never measured"
-            print(f"{state(root, run, row, figures):<6} {cost:>8} {run.name} / {row.name}: {value}")
+            print(f"{state(root, run, row, figures):<6} {run.seconds:>6.0f} s {run.name} / {row.name}: {value}")
 
 
 def count_rows(root: Path, runs: list[Run], figures: dict[str, Figure]) -> str:
     states = [state(root, run, row, figures) for run in runs for row in run.rows]
-    by_hand = sum(len(run.rows) for run in runs if run.by_hand)
-    return (f"results: {states.count('fresh')} of {len(states)} figures are of these sources, {states.count('stale')} are stale; "
-            f"{by_hand} are measured by hand (tools/results.py --list)")  # fmt: skip
+    return (f"results: {states.count('fresh')} of {len(states)} figures are of these sources, {states.count('stale')} are stale "
+            "(tools/results.py --list)")  # fmt: skip
 
 
 def is_wanted(run: Run, root: Path, figures: dict[str, Figure], arguments: argparse.Namespace) -> bool:
-    if run.by_hand:
-        return False
     if arguments.reread:
         return can_reread(run, root, folders(root))
     return arguments.again or any(state(root, run, row, figures) == "stale" for row in run.rows)

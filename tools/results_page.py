@@ -24,18 +24,13 @@ Measured figures beside their targets, each with the command that reproduces it:
 Release build of GCC 12.2. `$DATA` is the folder of external data, `$VICTORIOUS_DATA` (default `../shared/data`), `$OUT` a folder for
 what is made on the way, `$MODELS` the models of the CAD files of `$DATA`, `$OWN_MODELS` those of `assets/models`. "-": no target. The
 commit is the one that was measured; **stale**: the sources that the figure depends on have changed since. Data: "held out" if no
-threshold was chosen on them, else "tuned on". Intervals: of rates Wilson's, of medians by order statistics. A command "by hand" needs steps
-that it does not name. Movies `dev_*` are of another renderer, all other movies of `scenes/`.
+threshold was chosen on them, else "tuned on". Intervals: of rates Wilson's, of medians by order statistics. Movies `dev_*` are of
+another renderer, all other movies of `scenes/`.
 """
 
 
 def cell(text: str) -> str:
     return text.replace("|", "\\|").replace("\n", " ")
-
-
-def command_cell(run: Run) -> str:
-    command = run.command if "`" in run.command else f"`{run.command}`"
-    return cell(command + (f" (by hand: {run.by_hand})" if run.by_hand else ""))
 
 
 def spread(figure: Figure) -> str:
@@ -47,7 +42,7 @@ def line(run: Run, name: str, what: str, target: str, figure: Figure, stale: boo
     value = figure.value + (" **missed**" if figure.missed else "")
     commit = (STALE if stale else "") + f"{figure.commit}, {figure.date}" + (f"; {figure.machine}" if figure.machine else "")
     return f"| {cell(what)} (`{name}`) | {cell(target)} | {cell(value)} | {spread(figure)} | {run.judged} | " \
-           f"{command_cell(run)} | {commit} | {cell(figure.note)} |\n"  # fmt: skip
+           f"{cell(f'`{run.command}`')} | {commit} | {cell(figure.note)} |\n"  # fmt: skip
 
 
 def section(root: Path, topic: Topic, runs: list[Run], figures: dict[str, Figure], marks: bool) -> str:

@@ -1,8 +1,8 @@
 """The table of measurements, what was measured, measured.json, and how old that is.
 
-bench/results/table.toml has the topics, rows/TOPIC.toml the runs of each. A run is one command; its rows are the figures that are read from its output. A row that no run makes (`by_hand`, which
-says why) keeps the figure that a person wrote. A figure is stale if a source that it depends on differs from what
-was measured: by the digest of the sources, which outlives a rebase; a figure that has none, by its commit.
+bench/results/table.toml has the topics, rows/TOPIC.toml the runs of each. A run is one command; its rows are the figures
+that are read from its output. A figure is stale if a source that it depends on differs from what was measured: by the
+digest of the sources, which outlives a rebase; a figure that has none, by its commit.
 """
 
 import functools
@@ -39,8 +39,8 @@ class Row:
 
     name: str
     what: str
+    value: str  # format of the figure; its fields are paths into the output
     target: str = "-"
-    value: str = ""  # format of the figure; its fields are paths into the output
     limits: tuple[tuple[str, str], ...] = ()  # path, comparison: ("all[recall]", ">= 0.85")
     rate: tuple[str, ...] = ()  # paths of a count and of the number of cases
     sample: str = ""  # path of the numbers whose median is the figure
@@ -54,7 +54,6 @@ class Run:
     command: str
     rows: tuple[Row, ...]
     sources: tuple[str, ...]  # paths from the root
-    by_hand: str = ""  # why no command measures it
     output: str = "json"  # on standard output; or a regular expression with named groups, searched there
     needs: tuple[str, ...] = ()  # paths without which it is skipped
     seconds: float = 0  # of processor time, roughly
@@ -117,10 +116,6 @@ def read_table(root: Path) -> list[Run]:
     for name in names + rows:
         if names.count(name) > 1 or rows.count(name) > 1:
             raise ValueError(f"{ROWS}: {name}: must be the name of one run and of one row")
-    for run in runs:
-        for row in run.rows:
-            if not run.by_hand and not row.value:
-                raise ValueError(f"{ROWS}: {row.name}: has no `value`, and its run no `by_hand`")
     return runs
 
 
