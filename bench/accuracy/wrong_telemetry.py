@@ -2,7 +2,7 @@
 """Measures what wrong telemetry costs: finds, places, and whether the errors that are stated cover the ones that are made.
 
 Usage: wrong_telemetry.py MOVIE... --models DIR [--program build/victorious] [--every 5] [--case NAME]... [--draws N]
-                          [--work DIR]
+                          [--work DIR] [--json]
 
 MOVIE is a folder with video.mp4, telemetry.csv and truth.jsonl. DIR contains models of the truth's objects, made by
 `model add`. Each movie is indexed with its exact telemetry, and once with that of each case:
@@ -29,7 +29,8 @@ Prints one row for each movie, draw and case:
   said       what `index` reported of the telemetry: clock, yaw and field of view corrected, clock unknown, field of view in
              doubt, another flight's, places rejected
 
-and at the end, for each case over all movies, and for all cases, the places within CE90.
+and at the end, for each case over all movies, and for all cases, the places within CE90; with --json an object instead:
+of each case and of `all`, the sums over all movies and the largest of their median errors.
 """
 
 import argparse
@@ -39,6 +40,7 @@ import math
 import random
 import re
 import statistics
+import sys
 import tempfile
 from functools import partial
 from itertools import pairwise
@@ -165,9 +167,10 @@ class Measurement:
         self.program = Program(arguments.program)
         self.arguments, self.work = arguments, work
         self.names = ",".join(sorted(path.stem for path in arguments.models.glob("*.vmodel")))
-        self.covered: dict[str, list[bool]] = {}
+        self.sums: dict[str, dict[str, float]] = {}
+        self.shown = sys.stderr if arguments.json else sys.stdout
         print(f"{'movie':<16}{'case':<16}{'found':>7}{'false':>6}{'placed':>7}{'error, m':>16}{'CE90, m':>9}"
-              f"{'covered':>9}  said")
+              f"{'covered':>9}  said", file=self.shown)
 
     def run(self, movie: Path, label: str, case: str, rows: Rows) -> None:
         stem = re.sub(r"\W+", "_", f"{label} {case}".replace("+", "plus").replace("-", "minus"))
@@ -181,20 +184,28 @@ class Measurement:
         objects = [json.loads(line) for line in self.program("export", "--db", database, "--format", "objects").splitlines()]
         errors = [one["error_m"] for one in score["per_object"].values() if one["error_m"] is not None]
         inside = round((score["inside_ce90"] or 0) * score["located"])
-        self.covered.setdefault(case, []).extend([True] * inside + [False] * (score["located"] - inside))
+        median = statistics.median(errors) if errors else 0
+        for name in (case, "all"):
+            sums = self.sums.setdefault(name, dict.fromkeys(("found", "findable", "false_objects", "located", "inside", "median_m"), 0))
+            for key in ("found", "findable", "false_objects", "located"):
+                sums[key] += score[key]
+            sums["inside"] += inside
+            sums["median_m"] = max(sums["median_m"], median)
         radii = [one["ce90_m"] for one in objects if one.get("ce90_m") is not None]
-        error = f"{statistics.median(errors):8.2f}{max(errors):8.2f}" if errors else f"{'-':>16}"
+        error = f"{median:8.2f}{max(errors):8.2f}" if errors else f"{'-':>16}"
         radius = f"{statistics.median(radii):9.2f}" if radii else f"{'-':>9}"
         found = f"{score['found']}/{score['findable']}"
         within = f"{inside}/{score['located']}"
         print(f"{label:<16}{case:<16}{found:>7}{score['false_objects']:>6}{score['located']:>7}{error}{radius}"
-              f"{within:>9}  {remarks(log, objects)}", flush=True)
+              f"{within:>9}  {remarks(log, objects)}", file=self.shown, flush=True)
 
-    def print_covered(self) -> None:
-        for case, inside in self.covered.items():
-            print(f"{case}: {sum(inside)} of {len(inside)} places within CE90")
-        every = [one for inside in self.covered.values() for one in inside]
-        print(f"all: {sum(every)} of {len(every)} places within CE90, {sum(every) / max(1, len(every)):.0%}")
+    def print_sums(self) -> None:
+        if self.arguments.json:
+            print(json.dumps({re.sub(r"\W+", "_", name.replace("+", "plus ").replace("-", "minus ")): sums
+                              for name, sums in self.sums.items()}))  # fmt: skip
+            return
+        for name, sums in self.sums.items():
+            print(f"{name}: {sums['inside']} of {sums['located']} places within CE90")
 
 
 def main() -> None:
@@ -206,6 +217,7 @@ def main() -> None:
     parser.add_argument("--case", action="append", choices=list(CASES), help="only these")
     parser.add_argument("--draws", type=int, default=0, help="of a common error of the flight; 0: none")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", action="store_true")
     parser.add_argument("--work", type=Path, help="telemetry and indexes stay here")
     arguments = parser.parse_args()
     movies, draws = arguments.movies, max(1, arguments.draws)
@@ -225,7 +237,7 @@ def main() -> None:
                     rows = biased(rows, common)
                 label = f"{movie.name} {draw + 1}" if arguments.draws else movie.name
                 measurement.run(movie, label, case, rows)
-        measurement.print_covered()
+        measurement.print_sums()
 
 
 if __name__ == "__main__":
