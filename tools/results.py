@@ -95,8 +95,17 @@ def uncertainty(row: Row, output: dict) -> tuple[int, str]:
     return 0, ""
 
 
+class FigureFormat(string.Formatter):
+    """Lists are written with commas, what there is not as a dash."""
+
+    def format_field(self, value: object, form: str) -> str:
+        if isinstance(value, list):
+            return ", ".join(self.format_field(one, form) for one in value)
+        return "-" if value is None else super().format_field(value, form)
+
+
 def figure_of(row: Row, output: dict, origin: dict[str, str]) -> Figure:
-    value = string.Formatter().vformat(row.value, (), output)
+    value = FigureFormat().vformat(row.value, (), output)
     cases, interval = uncertainty(row, output)
     return Figure(re.sub(r"(?<=\d)%", " %", value), cases=cases, interval=interval, missed=not is_met(row, output),
                   note=row.note, **origin)  # fmt: skip

@@ -25,7 +25,7 @@ rooms = ["search"]
 ROWS = """
 [[run]]
 name = "one"
-command = '''echo '{"a.b": {"share": 0.5}, "found": 3, "of": 4, "errors": [1, 2, 3, 4, 5, 6]}' '''
+command = '''echo '{"a.b": {"share": 0.5}, "found": 3, "of": 4, "nothing": null, "errors": [1, 2, 3, 4, 5, 6]}' '''
 seconds = 2
   [[run.row]]
   name = "half"
@@ -36,7 +36,7 @@ seconds = 2
   [[run.row]]
   name = "middle"
   what = "errors"
-  value = "{errors[0]}"
+  value = "{errors[0]:.1f}; {errors:.0f}; {nothing:.2f}"
   sample = "errors"
 [[run]]
 name = "other"
@@ -103,6 +103,7 @@ class ResultsTest(unittest.TestCase):
         half = self.measured()["half"]
         self.assertEqual((half["value"], half["cases"], half["interval"], half["missed"]), ("50.0 %", 4, "30.1 to 95.4 %", True))
         self.assertEqual(self.measured()["middle"]["interval"], "median 1 to 6")
+        self.assertEqual(self.measured()["middle"]["value"], "1.0; 1, 2, 3, 4, 5, 6; -")
         self.assertEqual(self.measured()["seven"]["value"], "7")
 
     def test_fresh_rows_are_not_measured_again(self):
