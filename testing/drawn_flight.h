@@ -17,6 +17,7 @@
 #include "victorious/object/model/model_library.h"
 #include "victorious/object/model/photo_model.h"
 #include "victorious/show/export/export.h"
+#include "victorious/show/export/export_lines.h"
 
 namespace victorious::testing {
 
@@ -100,8 +101,8 @@ inline std::vector<VideoRecord> VideosOf(IndexStore& store) { return store.Video
 /// All contents of an index: the exports, the searches, and the kept frames with their numbers of features.
 inline std::string Contents(IndexStore& store) {
   std::ostringstream text;
-  for (const ExportFormat format : {ExportFormat::kObjects, ExportFormat::kSightings}) {
-    const Status status = Export(store, format, {}, text);
+  for (const ExportFormat* format : {&kObjectsFormat, &kSightingsFormat}) {
+    const Status status = Export(store, *format, {}, text);
     EXPECT_TRUE(status) << status.error().message;
   }
   const std::vector<ModelRecord> models = store.Models().value();

@@ -13,6 +13,7 @@ import subprocess
 import program
 
 FLIGHT, MODELS, INDEX = program.flight(), program.models(), program.index()
+FORMATS = ("objects", "sightings", "mot", "coco", "cvat", "vtt", "vmti", "geojson", "kml", "gpkg", "cot", "czml")
 NOTES = "my notes: do not lose them\n"
 TELEMETRY = "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n0,52,13,100,0,-90,0,30\n"
 
@@ -28,6 +29,8 @@ class OutputsTest(program.ProgramTest):
         self.other = self.write("other.mkv", (FLIGHT / "flight.mkv").read_bytes())
         self.photo = self.write("crate.png", (FLIGHT / "crate.png").read_bytes())
         self.db = self.write("index.db", INDEX.read_bytes())
+        with contextlib.closing(sqlite3.connect(self.db)) as index, index:
+            index.execute("UPDATE videos SET start_utc_us = 1700000000000000")  # for vmti
         self.telemetry = self.write("w.telemetry.csv", TELEMETRY)
         self.list = self.write("images/list.csv", "image,category\ncrate.png,crate\n")
         self.listed = self.write("images/crate.png", self.photo.read_bytes())
@@ -63,7 +66,7 @@ class OutputsTest(program.ProgramTest):
         yield ("match", self.photo, self.listed), "--draw", [self.photo, self.listed]
         yield ("model", "add", "crate", self.photo, "--models", self.scratch / "m"), "--draw", [self.photo]
         yield ("model", "show", "crate", "--models", MODELS), "--views", []
-        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "cot"):
+        for form in FORMATS:
             yield (*export, form), "--out", [self.db]
         yield (*export, "coverage", "--models", MODELS), "--out", [self.db]
         yield ("sheet", "--db", self.db), "--out", [self.db]
@@ -147,7 +150,7 @@ class OutputsTest(program.ProgramTest):
     def test_json_of_export(self):
         counts = {form: len(self.succeeds("export", "--db", self.db, "--format", form).out.splitlines())
                   for form in ("objects", "sightings")}  # fmt: skip
-        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "cot", "video"):
+        for form in (*FORMATS, "video"):
             out = self.scratch / ("said.mp4" if form == "video" else f"said.{form}")
             (said,) = self.succeeds("export", "--db", self.db, "--format", form, "--out", out, "--json").rows()
             self.assertTrue(out.exists())
@@ -205,7 +208,7 @@ class OutputsTest(program.ProgramTest):
         self.succeeds(*frame, "--force")
         self.assertNotIn(NOTES.encode(), notes.read_bytes())
         self.succeeds(*frame)
-        for form in ("objects", "sightings", "mot", "coco", "geojson", "kml", "gpkg", "cot"):
+        for form in FORMATS:
             for _ in range(2):
                 self.succeeds("export", "--db", self.db, "--format", form, "--out", self.scratch / f"x.{form}")
         for flags in ((), ("--json",)):

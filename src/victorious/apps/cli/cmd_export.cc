@@ -17,13 +17,13 @@
 #include "victorious/apps/cli/arguments.h"
 #include "victorious/apps/cli/command.h"
 #include "victorious/apps/cli/output_files.h"
-#include "victorious/base/check.h"
 #include "victorious/base/json.h"
 #include "victorious/base/log.h"
 #include "victorious/input/video/video_reader.h"
 #include "victorious/place/cameras/video_telemetry.h"
 #include "victorious/show/drawn_video.h"
 #include "victorious/show/export/export.h"
+#include "victorious/show/export/export_cot.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious::cli {
@@ -97,41 +97,13 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
   return {};
 }
 
-struct FormatTraits {
-  FileKind kind;
-  bool is_map = false;     // holds only objects with a place
-  bool is_binary = false;  // else text
-};
-
-FormatTraits TraitsOf(ExportFormat format) {
-  switch (format) {
-    case ExportFormat::kObjects:
-      return {.kind = FileKind::kObjects};
-    case ExportFormat::kSightings:
-      return {.kind = FileKind::kSightings};
-    case ExportFormat::kMot:
-      return {.kind = FileKind::kMot};
-    case ExportFormat::kCoco:
-      return {.kind = FileKind::kCoco};
-    case ExportFormat::kGeoJson:
-      return {.kind = FileKind::kGeoJson, .is_map = true};
-    case ExportFormat::kKml:
-      return {.kind = FileKind::kKml, .is_map = true};
-    case ExportFormat::kGpkg:
-      return {.kind = FileKind::kGeoPackage, .is_map = true, .is_binary = true};
-    case ExportFormat::kCot:
-      return {.kind = FileKind::kCot, .is_map = true};
-  }
-  VICTORIOUS_CHECK(false);
-}
-
 // Says in the log why objects are not in an export that one may expect there.
-Status ExplainExport(const FormatTraits& traits, const SightingFilter& filter, IndexStore& store) {
+Status ExplainExport(const ExportFormat& format, const SightingFilter& filter, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
   if (!below.empty()) LogInfo(OneLine(below));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, store));
   if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));
-  if (!traits.is_map) return {};
+  if (!format.is_map) return {};
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string unplaced, ExplainUnplaced(filter, store));
   if (!unplaced.empty()) LogInfo(OneLine(unplaced));
   return {};
@@ -146,7 +118,7 @@ Action SetUpExport(ArgumentParser& parser) {
     std::string out;
     FilterArguments filter;
     ClipArguments clip;
-    CotOptions cot;
+    ExportOptions options;
     CoverageArguments coverage;
     bool json = false;
   };
@@ -174,7 +146,7 @@ Action SetUpExport(ArgumentParser& parser) {
            "With --clip or --format coverage: telemetry of the video (default: as for index)")
       .TypeName("FILE");
   parser
-      .Add("--cot-type", arguments->cot.type,
+      .Add("--cot-type", arguments->options.cot_type,
            "With --format cot: the type of all events, as a-h-G-E-V (default: of unknown affiliation, by the name)")
       .TypeName("TYPE");
   AddFilesBelow(parser, arguments->clip.files_below);
@@ -212,20 +184,19 @@ Action SetUpExport(ArgumentParser& parser) {
     if (arguments->clip.margin_s) {
       return Fail(ErrorCode::kInvalidArgument, "--clip: is for --format video, which writes a video");
     }
-    const Expected<ExportFormat> parsed = ParseExportFormat(arguments->format);
+    const Expected<const ExportFormat*> parsed = FindExportFormat(arguments->format);
     if (!parsed) {
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("{}, {}, {}", parsed.error().message, kVideoFormat, kCoverageFormat));
     }
-    const ExportFormat format = *parsed;
-    if (!arguments->cot.type.empty()) {
-      if (format != ExportFormat::kCot) return Fail(ErrorCode::kInvalidArgument, "--cot-type: is for --format cot");
-      VICTORIOUS_RETURN_IF_ERROR(CheckCotType(arguments->cot.type));
+    const ExportFormat& format = **parsed;
+    if (!arguments->options.cot_type.empty()) {
+      if (&format != &kCotFormat) return Fail(ErrorCode::kInvalidArgument, "--cot-type: is for --format cot");
+      VICTORIOUS_RETURN_IF_ERROR(CheckCotType(arguments->options.cot_type));
     }
-    const FormatTraits traits = TraitsOf(format);
-    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, traits.kind}}));
+    VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(parser, {{"--out", arguments->out, &format}}));
     VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments->out));
-    if (traits.is_binary && IsStandardOutput(arguments->out) && ::isatty(STDOUT_FILENO) == 1) {
+    if (format.is_binary && IsStandardOutput(arguments->out) && ::isatty(STDOUT_FILENO) == 1) {
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("--format {}: is binary, and not for a terminal: give --out FILE", arguments->format));
     }
@@ -233,8 +204,8 @@ Action SetUpExport(ArgumentParser& parser) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenStore(arguments->db, StoreMode::kRead));
     VICTORIOUS_RETURN_IF_ERROR(CheckObject(filter, *store));
     const auto write = [&](std::ostream& out) -> Status {
-      VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, out, arguments->cot));
-      return ExplainExport(traits, filter, *store);
+      VICTORIOUS_RETURN_IF_ERROR(Export(*store, format, filter, out, arguments->options));
+      return ExplainExport(format, filter, *store);
     };
     VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments->out, write));
     return arguments->json ? PrintExported(arguments->out, arguments->format, filter, *store) : Status();

@@ -12,6 +12,7 @@
 #include "victorious/base/log.h"
 #include "victorious/show/coverage_job.h"
 #include "victorious/show/export/export_coverage.h"
+#include "victorious/show/export/export_map.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious::cli {
@@ -58,7 +59,7 @@ Status ExportCoverage(const CoverageExport& job, const ArgumentParser& parser) {
   }
   const bool is_tiff = IsTiffName(job.out);
   VICTORIOUS_RETURN_IF_ERROR(
-      CheckOutputs(parser, {{"--out", job.out, is_tiff ? FileKind::kGeoTiff : FileKind::kGeoJson}}));
+      CheckOutputs(parser, {{"--out", job.out, is_tiff ? OutputKind(FileKind::kGeoTiff) : &kGeoJsonFormat}}));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(job.out));
   VICTORIOUS_ASSIGN_OR_RETURN(const SightingFilter filter, job.filter.Filter());
   CoverageRequest request;

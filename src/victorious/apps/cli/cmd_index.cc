@@ -343,7 +343,7 @@ class DeviceWarning {
 
 Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   VICTORIOUS_RETURN_IF_ERROR(
-      CheckOutputs(parser, {{"--db", arguments.db, std::nullopt}, {"--draw", arguments.draw, FileKind::kVideo}}));
+      CheckOutputs(parser, {{"--db", arguments.db, {}}, {"--draw", arguments.draw, FileKind::kVideo}}));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   VICTORIOUS_RETURN_IF_ERROR(CheckArguments(arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<FrameInterval> frames, ParseFrames(arguments.frames));

@@ -23,6 +23,7 @@
 #include "victorious/jobs/track/track_job.h"
 #include "victorious/place/observe/object_type.h"
 #include "victorious/show/drawn_video.h"
+#include "victorious/show/export/export_lines.h"
 
 namespace victorious::cli {
 namespace {
@@ -153,7 +154,7 @@ Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
   std::vector<std::string> read = ListTelemetryBeside(videos, telemetry);
   if (!options.ground.terrain.empty()) read.push_back(options.ground.terrain);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(
-      parser, {{"--out", arguments.out, FileKind::kSightings}, {"--draw", arguments.draw, FileKind::kVideo}}, read));
+      parser, {{"--out", arguments.out, &kSightingsFormat}, {"--draw", arguments.draw, FileKind::kVideo}}, read));
   VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   if (arguments.boxes.size() != arguments.at_s.size()) {

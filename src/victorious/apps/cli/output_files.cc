@@ -17,6 +17,7 @@
 
 #include "victorious/apps/cli/arguments.h"
 #include "victorious/base/enum_text.h"
+#include "victorious/base/file_head.h"
 #include "victorious/base/folder.h"
 #include "victorious/base/json.h"
 #include "victorious/category/category_file.h"
@@ -33,14 +34,6 @@ namespace fs = std::filesystem;
 
 constexpr auto kKindTexts = std::to_array<EnumText<FileKind>>(
     {{FileKind::kImage, "a PNG, JPEG, BMP or PNM image without EXIF and XMP, as photos have them"},
-     {FileKind::kObjects, "a list of objects (JSON Lines)"},
-     {FileKind::kSightings, "a list of sightings (JSON Lines)"},
-     {FileKind::kMot, "a MOTChallenge text"},
-     {FileKind::kCoco, "a COCO annotation file"},
-     {FileKind::kGeoJson, "a GeoJSON FeatureCollection"},
-     {FileKind::kKml, "a KML file"},
-     {FileKind::kCot, "a list of events of Cursor-on-Target (XML)"},
-     {FileKind::kGeoPackage, "a GeoPackage"},
      {FileKind::kGeoTiff, "a GeoTIFF of a coverage"},
      {FileKind::kCameraTable, "a table of camera states (CSV)"},
      {FileKind::kTelemetryReport, "a telemetry report (JSON)"},
@@ -50,41 +43,9 @@ constexpr auto kKindTexts = std::to_array<EnumText<FileKind>>(
      {FileKind::kReport, "a report of an experiment"},
      {FileKind::kVideo, "a video that may be replaced, since it may be footage"}});
 
-std::string_view FirstLine(std::string_view text) { return text.substr(0, text.find_first_of("\r\n")); }
-
-// True if the first line is a JSON object with all of these members.
-bool IsJsonLine(std::string_view head, std::initializer_list<const char*> members) {
-  const Expected<nlohmann::json> json = ParseStrictJson(FirstLine(head));
-  return json && json->is_object() &&
-         std::ranges::all_of(members, [&](const char* name) { return json->contains(name); });
-}
-
-// True if the text starts like a JSON object and has all of these texts.
-bool IsJsonWith(std::string_view head, std::initializer_list<std::string_view> texts) {
-  const std::size_t start = head.find_first_not_of(" \t\r\n");
-  return start != std::string_view::npos && head[start] == '{' &&
-         std::ranges::all_of(texts, [&](std::string_view text) { return head.contains(text); });
-}
-
-bool IsTextOf(std::string_view line, std::string_view allowed) {
-  return !line.empty() && line.find_first_not_of(allowed) == std::string_view::npos;
-}
-
-bool IsMot(std::string_view head) {
-  constexpr int kCommas = 9;
-  const std::string_view line = FirstLine(head);
-  return IsTextOf(line, "0123456789.,-+e") && std::ranges::count(line, ',') == kCommas;
-}
-
 bool IsFeatures(std::string_view head) {
   const std::string_view line = FirstLine(head);
   return line.ends_with(" 128") && IsTextOf(line.substr(0, line.size() - 4), "0123456789");
-}
-
-bool IsGeoPackage(std::string_view head) {
-  constexpr std::size_t kApplicationId = 68;  // offset in the header of SQLite
-  return head.starts_with(std::string_view("SQLite format 3\0", 16)) && head.size() > kApplicationId + 4 &&
-         head.substr(kApplicationId, 2) == "GP";
 }
 
 bool IsReport(std::string_view head) {
@@ -132,22 +93,6 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
   switch (kind) {
     case FileKind::kImage:
       return IsImage(head);
-    case FileKind::kObjects:
-      return IsJsonLine(head, {"object_id", "rank", "first_time_s"});
-    case FileKind::kSightings:
-      return IsJsonLine(head, {"object_id", "video", "frame", "box"});
-    case FileKind::kMot:
-      return IsMot(head);
-    case FileKind::kCoco:
-      return IsJsonWith(head, {"\"categories\"", "\"annotations\""});
-    case FileKind::kGeoJson:
-      return IsJsonWith(head, {"\"FeatureCollection\""});
-    case FileKind::kKml:
-      return head.contains("<kml");
-    case FileKind::kCot:
-      return head.starts_with("<event version=\"2.0\" uid=\"victorious-");
-    case FileKind::kGeoPackage:
-      return IsGeoPackage(head);
     case FileKind::kGeoTiff:
       return head.starts_with(std::string_view("II*\0", 4)) && head.contains("victorious coverage");
     case FileKind::kCameraTable:
@@ -170,14 +115,18 @@ bool IsOfKind(FileKind kind, const fs::path& path, std::string_view head) {
 }
 
 Status CheckKind(const OutputFile& output, const struct stat& existing) {
-  if (!output.kind || !S_ISREG(existing.st_mode) || existing.st_size == 0) return {};
+  if (std::holds_alternative<std::monostate>(output.kind) || !S_ISREG(existing.st_mode) || existing.st_size == 0) {
+    return {};
+  }
   std::error_code failed;
   const std::string head = ReadHead(output.path, failed);
   if (failed) return std::unexpected(ErrorFromErrno(failed.value(), output.path));
-  if (IsOfKind(*output.kind, output.path, head)) return {};
+  const auto* const format = std::get_if<const ExportFormat*>(&output.kind);
+  const auto* const kind = std::get_if<FileKind>(&output.kind);
+  if (format != nullptr ? (*format)->is_file(head) : IsOfKind(*kind, output.path, head)) return {};
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("{} {}: exists and is not {}: give another name, or --force to replace it", output.flag,
-                          output.path, ToText(kKindTexts, *output.kind)));
+                          output.path, format != nullptr ? (*format)->file : ToText(kKindTexts, *kind)));
 }
 
 // An option whose values are paths of inputs, by the name of its value. Positional arguments are paths except NAME.

@@ -5,24 +5,18 @@
 
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "victorious/apps/cli/argument_parser.h"
 #include "victorious/base/error.h"
+#include "victorious/show/export/export_format.h"
 
 namespace victorious::cli {
 
-/// The kinds of file that commands write, as identified by the first 64 KiB of their content.
+/// The kinds of file that commands write, beside those of `export` (show/export/export_format.h), as identified by the first 64 KiB of their content.
 enum class FileKind {
   kImage,            ///< PNG, JPEG, BMP or PNM without EXIF or XMP: a camera's photo has them
-  kObjects,          ///< JSON Lines of `export --format objects`
-  kSightings,        ///< JSON Lines of `export --format sightings` and `track`
-  kMot,              ///< MOTChallenge text: ten numbers a line
-  kCoco,             ///< JSON of `export --format coco`
-  kGeoJson,          ///< a FeatureCollection
-  kKml,              ///< KML
-  kCot,              ///< events of Cursor-on-Target
-  kGeoPackage,       ///< SQLite with the application id of GeoPackage
   kGeoTiff,          ///< GeoTIFF of `export --format coverage`
   kCameraTable,      ///< CSV with the columns time_s and latitude_deg
   kTelemetryReport,  ///< JSON of `telemetry --json`
@@ -33,11 +27,14 @@ enum class FileKind {
   kVideo,            ///< a video: never recognised, since a drawn video cannot be told from footage
 };
 
+/// A kind of file; std::monostate: the third rule does not apply, because the writer checks the content.
+using OutputKind = std::variant<std::monostate, FileKind, const ExportFormat*>;
+
 /// A path that a command will write.
 struct OutputFile {
-  std::string flag;              ///< the option that names it: "--out"
-  std::string path;              ///< empty or "-": standard output, not checked
-  std::optional<FileKind> kind;  ///< std::nullopt: the third rule does not apply, because the writer checks the content
+  std::string flag;  ///< the option that names it: "--out"
+  std::string path;  ///< empty or "-": standard output, not checked
+  OutputKind kind;
 };
 
 /// Adds the flag --force to a command that calls CheckOutputs with kinds.

@@ -12,6 +12,12 @@
 
 #include "testing/photo_file.h"
 #include "victorious/apps/cli/argument_parser.h"
+#include "victorious/show/export/export_coco.h"
+#include "victorious/show/export/export_cot.h"
+#include "victorious/show/export/export_gpkg.h"
+#include "victorious/show/export/export_lines.h"
+#include "victorious/show/export/export_map.h"
+#include "victorious/show/export/export_mot.h"
 
 namespace victorious::cli {
 namespace {
@@ -48,7 +54,7 @@ class OutputFilesTest : public ::testing::Test {
   [[nodiscard]] const ArgumentParser& Parser() const { return parser_; }
 
   // The message of CheckOutputs for these arguments; empty if they are accepted.
-  std::string Message(const std::vector<std::string>& arguments, FileKind kind = FileKind::kSightings,
+  std::string Message(const std::vector<std::string>& arguments, OutputKind kind = &kSightingsFormat,
                       const std::vector<std::string>& further_inputs = {}) {
     EXPECT_TRUE(ParseArguments(parser_, arguments));
     const Status checked = CheckOutputs(parser_, {{"--out", out_, kind}}, further_inputs);
@@ -73,7 +79,7 @@ TEST_F(OutputFilesTest, RefusesAnInputByAnyOfItsNames) {
     EXPECT_THAT(Message({"n", video, "--out", out}),
                 AllOf(HasSubstr("--out " + out), HasSubstr("VIDEO " + video), HasSubstr("another name")));
     EXPECT_THAT(Message({"n", video, "--out", out, "--force"}), HasSubstr("input"));
-    EXPECT_THAT(Message({"n", "other", "--out", out}, FileKind::kSightings, {video}), HasSubstr("input"));
+    EXPECT_THAT(Message({"n", "other", "--out", out}, &kSightingsFormat, {video}), HasSubstr("input"));
   }
   EXPECT_EQ(Message({"n", video, "--out", Path("new")}), "");
 }
@@ -113,7 +119,7 @@ TEST_F(OutputFilesTest, ReplacesOnlyItsOwnKindWithoutForce) {
 TEST_F(OutputFilesTest, TwoOutputsAreTwoFiles) {
   const auto message = [&](const std::string& out, const std::string& draw) {
     const Status checked =
-        CheckOutputs(Parser(), {{"--out", out, FileKind::kSightings}, {"--draw", draw, FileKind::kSightings}});
+        CheckOutputs(Parser(), {{"--out", out, &kSightingsFormat}, {"--draw", draw, &kSightingsFormat}});
     return checked ? "" : checked.error().message;
   };
   const std::string made = Write("made", kSighting);
@@ -135,16 +141,16 @@ TEST_F(OutputFilesTest, TwoOutputsAreTwoFiles) {
 }
 
 TEST_F(OutputFilesTest, KnowsEachKindByItsContent) {
-  const std::vector<std::pair<FileKind, std::string>> contents = {
+  const std::vector<std::pair<OutputKind, std::string>> contents = {
       {FileKind::kImage, kPng},
-      {FileKind::kObjects, R"({"object_id":1,"rank":1,"first_time_s":0.5})"},
-      {FileKind::kSightings, kSighting},
-      {FileKind::kMot, "1,2,3.00,4.00,5.00,6.00,0.9000,-1,-1,-1\n"},
-      {FileKind::kCoco, R"({"categories":[],"annotations":[],"images":[]})"},
-      {FileKind::kGeoJson, R"({"type":"FeatureCollection","features":[]})"},
-      {FileKind::kKml, "<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">"},
-      {FileKind::kCot, "<event version=\"2.0\" uid=\"victorious-0-1\" type=\"a-u-G\">"},
-      {FileKind::kGeoPackage, std::string("SQLite format 3\0", 16) + std::string(52, '\0') + "GPKG and the rest"},
+      {&kObjectsFormat, R"({"object_id":1,"rank":1,"first_time_s":0.5})"},
+      {&kSightingsFormat, kSighting},
+      {&kMotFormat, "1,2,3.00,4.00,5.00,6.00,0.9000,-1,-1,-1\n"},
+      {&kCocoFormat, R"({"categories":[],"annotations":[],"images":[]})"},
+      {&kGeoJsonFormat, R"({"type":"FeatureCollection","features":[]})"},
+      {&kKmlFormat, "<?xml version=\"1.0\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\">"},
+      {&kCotFormat, "<event version=\"2.0\" uid=\"victorious-0-1\" type=\"a-u-G\">"},
+      {&kGpkgFormat, std::string("SQLite format 3\0", 16) + std::string(52, '\0') + "GPKG and the rest"},
       {FileKind::kCameraTable, "time_s,latitude_deg,longitude_deg\n0,52,13\n"},
       {FileKind::kTelemetryReport, R"({"format":"csv","records":1,"states":[]})"},
       {FileKind::kFeatures, "2 128\n1 2 3 4\n"},

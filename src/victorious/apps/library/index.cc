@@ -182,7 +182,7 @@ std::vector<Sighting> Index::Sightings(const Filter& filter) const {
 
 void Index::Export(const std::string& format, const std::string& file, const Filter& filter) const {
   Guard([&] {
-    const victorious::ExportFormat parsed = Unwrap(victorious::ParseExportFormat(format));
+    const victorious::ExportFormat& parsed = *Unwrap(victorious::FindExportFormat(format));
     const victorious::SightingFilter inner = Unwrap(FilterOf(filter, *impl_->store));
     std::error_code unknown;
     if (std::filesystem::equivalent(file, impl_->name, unknown)) {

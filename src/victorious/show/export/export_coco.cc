@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "victorious/base/file_head.h"
 #include "victorious/base/json.h"
 #include "victorious/types/json_values.h"
 
@@ -61,16 +62,14 @@ Json AnnotationJson(const SightingRecord& sighting, const VideoRecord& video, st
           {"track_id", sighting.object}};
 }
 
-}  // namespace
-
-Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
+Status WriteCoco(const ExportRequest& request, std::ostream& out) {
   out << R"({"info":{"description":"sightings of victorious"},"licenses":[],"categories":)"
-      << DumpJson(CategoriesJson(catalogue.models())) << R"(,"annotations":[)";
+      << DumpJson(CategoriesJson(request.catalogue.models())) << R"(,"annotations":[)";
   std::vector<CocoImage> images;
   std::size_t annotations = 0;
-  VICTORIOUS_RETURN_IF_ERROR(store.VisitSightings(filter, [&](SightingRecord&& sighting) {
-    const VideoRecord* video = catalogue.Video(sighting.video);
-    if (video == nullptr || catalogue.Model(sighting.model) == nullptr) return true;
+  VICTORIOUS_RETURN_IF_ERROR(request.store.VisitSightings(request.filter, [&](SightingRecord&& sighting) {
+    const VideoRecord* video = request.catalogue.Video(sighting.video);
+    if (video == nullptr || request.catalogue.Model(sighting.model) == nullptr) return true;
     if (images.empty() || images.back().video != sighting.video || images.back().frame != sighting.frame) {
       images.push_back({sighting.video, sighting.frame, sighting.time_s});
     }
@@ -81,10 +80,18 @@ Status ExportCoco(IndexStore& store, const Catalogue& catalogue, const SightingF
   }));
   out << R"(],"images":[)";
   for (std::size_t i = 0; i < images.size(); ++i) {
-    out << (i > 0 ? ",\n" : "\n") << DumpJson(ImageJson(images[i], i + 1, *catalogue.Video(images[i].video)));
+    out << (i > 0 ? ",\n" : "\n") << DumpJson(ImageJson(images[i], i + 1, *request.catalogue.Video(images[i].video)));
   }
   out << "]}\n";
   return {};
 }
+
+}  // namespace
+
+constinit const ExportFormat kCocoFormat{
+    .name = "coco",
+    .file = "a COCO annotation file",
+    .is_file = [](std::string_view head) { return IsJsonWith(head, {"\"categories\"", "\"annotations\""}); },
+    .write = &WriteCoco};
 
 }  // namespace victorious

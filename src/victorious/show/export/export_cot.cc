@@ -127,18 +127,31 @@ Status CheckCotType(std::string_view type) {
                           OneLine(std::string(type))));
 }
 
-Status ExportCot(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, const CotOptions& options,
-                 std::ostream& out) {
-  if (!options.type.empty()) VICTORIOUS_RETURN_IF_ERROR(CheckCotType(options.type));
-  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue everything, Catalogue::Read(store, {}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+namespace {
+
+Status WriteCot(const ExportRequest& request, std::ostream& out) {
+  const ExportOptions& options = request.options;
+  if (!options.cot_type.empty()) VICTORIOUS_RETURN_IF_ERROR(CheckCotType(options.cot_type));
+  VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue everything, Catalogue::Read(request.store, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects,
+                              ListObjects(request.store, request.catalogue, request.filter));
   const std::int64_t now_us = options.now_utc_us.value_or(NowUtcMicroseconds());
   for (const ListedObject& object : objects) {
     if (!object.object.place) continue;
-    const std::string_view type = options.type.empty() ? CotTypeOf(object.model) : std::string_view(options.type);
+    const std::string_view type =
+        options.cot_type.empty() ? CotTypeOf(object.model) : std::string_view(options.cot_type);
     out << EventText(object, everything, type, now_us);
   }
   return {};
 }
+
+}  // namespace
+
+constinit const ExportFormat kCotFormat{
+    .name = "cot",
+    .file = "a list of events of Cursor-on-Target (XML)",
+    .is_map = true,
+    .is_file = [](std::string_view head) { return head.starts_with("<event version=\"2.0\" uid=\"victorious-"); },
+    .write = &WriteCot};
 
 }  // namespace victorious

@@ -8,22 +8,12 @@
 #pragma once
 
 #include <cstdint>
-#include <iosfwd>
-#include <optional>
-#include <string>
 #include <string_view>
 
 #include "victorious/base/error.h"
-#include "victorious/store/catalogue.h"
-#include "victorious/store/index_store.h"
+#include "victorious/show/export/export_format.h"
 
 namespace victorious {
-
-struct CotOptions {
-  std::string type;  ///< of all events, as "a-h-G-E-V"; empty: CotTypeOf
-  /// When the events are generated, microseconds since 1970; std::nullopt: now.
-  std::optional<std::int64_t> now_utc_us;
-};
 
 /// How long an event is valid: of an object that stands, from its generation; of one that moves, from its last
 /// sighting.
@@ -37,9 +27,8 @@ inline constexpr std::int64_t kCotMovingUs = std::int64_t{5} * 60 * 1'000'000;
 /// Error: kInvalidArgument unless the text is words of letters and digits with '-' between them.
 [[nodiscard]] Status CheckCotType(std::string_view type);
 
-/// Writes one event per object of known place, each a line and an XML document of its own: what a TAK server takes by
-/// TCP, and a datagram by UDP. Errors: those of CheckCotType and of the store.
-[[nodiscard]] Status ExportCot(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter,
-                               const CotOptions& options, std::ostream& out);
+/// One event per object of known place, each a line and an XML document of its own: what a TAK server takes by TCP, and
+/// a datagram by UDP. Errors: those of CheckCotType.
+extern const ExportFormat kCotFormat;
 
 }  // namespace victorious

@@ -86,7 +86,7 @@ class ExportCotTest : public ::testing::Test {
 
   static std::string Text(IndexStore& store, const std::string& type = "") {
     std::ostringstream out;
-    const Status status = Export(store, ExportFormat::kCot, {}, out, {.type = type, .now_utc_us = kNow_us});
+    const Status status = Export(store, kCotFormat, {}, out, {.cot_type = type, .now_utc_us = kNow_us});
     EXPECT_TRUE(status) << status.error().message;
     return out.str();
   }

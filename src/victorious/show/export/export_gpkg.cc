@@ -267,10 +267,9 @@ class DecidedFile final : public GeoPackageFile {
   ObjectLayers layers_;
 };
 
-}  // namespace
-
-Status ExportGpkg(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> listed, ListObjects(store, catalogue, filter));
+Status WriteGpkg(const ExportRequest& request, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> listed,
+                              ListObjects(request.store, request.catalogue, request.filter));
   const MemoryFile memory;
   ObjectLayers layers;
   VICTORIOUS_RETURN_IF_ERROR(layers.Create(memory.path(), Columns(kColumns.begin(), kColumns.end())));
@@ -282,6 +281,21 @@ Status ExportGpkg(IndexStore& store, const Catalogue& catalogue, const SightingF
   out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return {};
 }
+
+bool IsGeoPackage(std::string_view head) {
+  constexpr std::size_t kApplicationId = 68;  // offset in the header of SQLite
+  return head.starts_with(std::string_view("SQLite format 3\0", 16)) && head.size() > kApplicationId + 4 &&
+         head.substr(kApplicationId, 2) == "GP";
+}
+
+}  // namespace
+
+constinit const ExportFormat kGpkgFormat{.name = "gpkg",
+                                         .file = "a GeoPackage",
+                                         .is_map = true,
+                                         .is_binary = true,
+                                         .is_file = &IsGeoPackage,
+                                         .write = &WriteGpkg};
 
 Expected<std::unique_ptr<GeoPackageFile>> MakeGeoPackageFile(const std::filesystem::path& path) {
   auto file = std::make_unique<DecidedFile>();

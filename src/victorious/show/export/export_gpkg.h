@@ -2,24 +2,21 @@
 #pragma once
 
 #include <filesystem>
-#include <iosfwd>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "victorious/base/error.h"
+#include "victorious/show/export/export_format.h"
 #include "victorious/show/export/listed_object.h"
-#include "victorious/store/catalogue.h"
-#include "victorious/store/index_store.h"
 #include "victorious/types/review.h"
 
 namespace victorious {
 
-/// Writes two layers: `objects`, one point per object of known place, and `ellipses`, its horizontal 90 % confidence
+/// Two layers: `objects`, one point per object of known place, and `ellipses`, its horizontal 90 % confidence
 /// ellipse. Both have the columns of the format `objects`; arrays are JSON text. The same content gives the same bytes.
 /// The file is made in memory. Error: kInternal with OGR's message.
-[[nodiscard]] Status ExportGpkg(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter,
-                                std::ostream& out);
+extern const ExportFormat kGpkgFormat;
 
 /// What persons have decided of an object, for the columns `verdict`, `reviewer`, `note`, `is_disputed`, `decisions`.
 struct DecidedObject {

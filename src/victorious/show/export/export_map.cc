@@ -79,10 +79,9 @@ std::string PlacemarkText(const ListedObject& listed) {
       place.ce90_m, heading, rejected, times, CoordinatesText(place.point), ellipse);
 }
 
-}  // namespace
-
-Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+Status WriteGeoJson(const ExportRequest& request, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects,
+                              ListObjects(request.store, request.catalogue, request.filter));
   out << R"({"type":"FeatureCollection","features":[)";
   const char* between = "\n";
   for (const ListedObject& object : objects) {
@@ -93,8 +92,9 @@ Status ExportGeoJson(IndexStore& store, const Catalogue& catalogue, const Sighti
   return {};
 }
 
-Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFilter& filter, std::ostream& out) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, filter));
+Status WriteKml(const ExportRequest& request, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects,
+                              ListObjects(request.store, request.catalogue, request.filter));
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<kml xmlns=\"http://www.opengis.net/kml/2.2\"><Document>"
          "<Style id=\"object\"><PolyStyle><color>4000ffff</color></PolyStyle></Style>\n";
   for (const ListedObject& object : objects) {
@@ -103,5 +103,20 @@ Status ExportKml(IndexStore& store, const Catalogue& catalogue, const SightingFi
   out << "</Document></kml>\n";
   return {};
 }
+
+}  // namespace
+
+constinit const ExportFormat kGeoJsonFormat{
+    .name = "geojson",
+    .file = "a GeoJSON FeatureCollection",
+    .is_map = true,
+    .is_file = [](std::string_view head) { return IsJsonWith(head, {"\"FeatureCollection\""}); },
+    .write = &WriteGeoJson};
+
+constinit const ExportFormat kKmlFormat{.name = "kml",
+                                        .file = "a KML file",
+                                        .is_map = true,
+                                        .is_file = [](std::string_view head) { return head.contains("<kml"); },
+                                        .write = &WriteKml};
 
 }  // namespace victorious

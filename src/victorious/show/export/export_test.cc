@@ -61,14 +61,14 @@ class ExportTest : public ::testing::Test {
     ASSERT_TRUE(store_->Commit(batch));
   }
 
-  std::string Text(ExportFormat format, const SightingFilter& filter = {}) {
+  std::string Text(std::string_view format, const SightingFilter& filter = {}) {
     std::ostringstream out;
-    const Status status = Export(*store_, format, filter, out);
+    const Status status = Export(*store_, **FindExportFormat(format), filter, out);
     EXPECT_TRUE(status) << status.error().message;
     return out.str();
   }
 
-  std::vector<std::string> Lines(ExportFormat format, const SightingFilter& filter = {}) {
+  std::vector<std::string> Lines(std::string_view format, const SightingFilter& filter = {}) {
     std::istringstream text(Text(format, filter));
     std::vector<std::string> lines;
     for (std::string line; std::getline(text, line);) lines.push_back(line);
@@ -81,7 +81,7 @@ class ExportTest : public ::testing::Test {
 
 TEST_F(ExportTest, ObjectsHaveTheDocumentedLines) {
   EXPECT_THAT(
-      Lines(ExportFormat::kObjects),
+      Lines("objects"),
       ElementsAre(
           R"({"object_id":2,"model":"shed","category":null,"rank":1,"score":0.97,"videos":["b.mp4"],"frames":1,)"
           R"("first_time_s":0.0,"last_time_s":0.0,"place_time_s":null,"latitude_deg":null,"longitude_deg":null,)"
@@ -98,14 +98,14 @@ TEST_F(ExportTest, ObjectsHaveTheDocumentedLines) {
 }
 
 TEST_F(ExportTest, RanksCountTheListedObjects) {
-  const auto lines = Lines(ExportFormat::kObjects, {.model_name = "box"});
+  const auto lines = Lines("objects", {.model_name = "box"});
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(json::parse(lines[0])["rank"], 1);
   EXPECT_EQ(json::parse(lines[0])["object_id"], 1);
 }
 
 TEST_F(ExportTest, SightingsHaveTheDocumentedLines) {
-  const auto lines = Lines(ExportFormat::kSightings);
+  const auto lines = Lines("sightings");
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_EQ(lines[0], R"({"object_id":1,"model":"box","category":null,"video":"flight/a.mp4","frame":37,"time_s":1.48,)"
                       R"("box":[0.0,10.13,100.0,50.0],"score":0.9,"source":"recognised","matches":14,)"
@@ -122,18 +122,17 @@ TEST_F(ExportTest, SightingsHaveTheDocumentedLines) {
 }
 
 TEST_F(ExportTest, FiltersApplyToEveryFormat) {
-  EXPECT_EQ(Lines(ExportFormat::kSightings, {.video_name = "a.mp4", .from_s = 1.5}).size(), 1u);
-  EXPECT_EQ(Lines(ExportFormat::kObjects, {.video_name = "a.mp4"}).size(), 1u);
-  EXPECT_EQ(Lines(ExportFormat::kMot, {.video_name = "a.mp4", .to_s = 1.5}).size(), 1u);
-  EXPECT_EQ(json::parse(Text(ExportFormat::kCoco, {.model_name = "shed"}))["annotations"].size(), 1u);
+  EXPECT_EQ(Lines("sightings", {.video_name = "a.mp4", .from_s = 1.5}).size(), 1u);
+  EXPECT_EQ(Lines("objects", {.video_name = "a.mp4"}).size(), 1u);
+  EXPECT_EQ(Lines("mot", {.video_name = "a.mp4", .to_s = 1.5}).size(), 1u);
+  EXPECT_EQ(json::parse(Text("coco", {.model_name = "shed"}))["annotations"].size(), 1u);
 }
 
 TEST_F(ExportTest, MotIsOneBasedForOneVideo) {
-  EXPECT_THAT(
-      Lines(ExportFormat::kMot, {.video_name = "a.mp4"}),
-      ElementsAre("38,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1", "39,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1"));
+  EXPECT_THAT(Lines("mot", {.video_name = "a.mp4"}), ElementsAre("38,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1",
+                                                                 "39,1,0.00,10.13,100.00,50.00,0.9000,-1,-1,-1"));
   std::ostringstream out;
-  const Status status = Export(*store_, ExportFormat::kMot, {}, out);
+  const Status status = Export(*store_, **FindExportFormat("mot"), {}, out);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
   EXPECT_THAT(status.error().message, HasSubstr("--video"));
@@ -141,7 +140,7 @@ TEST_F(ExportTest, MotIsOneBasedForOneVideo) {
 }
 
 TEST_F(ExportTest, CocoReferencesImagesAndCategories) {
-  const json coco = json::parse(Text(ExportFormat::kCoco));
+  const json coco = json::parse(Text("coco"));
   ASSERT_EQ(coco["images"].size(), 3u);
   EXPECT_EQ(coco["images"][0], json::parse(R"({"id":1,"file_name":"flight/a.mp4/000037.png","width":640,"height":480,
                                                "video":"flight/a.mp4","frame":37,"time_s":1.48})"));
@@ -166,11 +165,11 @@ TEST_F(ExportTest, CocoReferencesImagesAndCategories) {
 
 TEST_F(ExportTest, ErrorsForUnknownNamesListTheKnown) {
   std::ostringstream out;
-  const Status video = Export(*store_, ExportFormat::kObjects, {.video_name = "c.mp4"}, out);
+  const Status video = Export(*store_, **FindExportFormat("objects"), {.video_name = "c.mp4"}, out);
   ASSERT_FALSE(video);
   EXPECT_EQ(video.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(video.error().message, HasSubstr("b.mp4, flight/a.mp4"));
-  const Status model = Export(*store_, ExportFormat::kCoco, {.model_name = "tank"}, out);
+  const Status model = Export(*store_, **FindExportFormat("coco"), {.model_name = "tank"}, out);
   ASSERT_FALSE(model);
   EXPECT_EQ(model.error().code, ErrorCode::kNotFound);
   EXPECT_THAT(model.error().message, HasSubstr("box, shed"));
@@ -180,17 +179,17 @@ TEST_F(ExportTest, ErrorsForUnknownNamesListTheKnown) {
 TEST_F(ExportTest, FailedOutputStreamIsAnError) {
   std::ostringstream out;
   out.setstate(std::ios::badbit);
-  for (const auto format : {ExportFormat::kObjects, ExportFormat::kSightings, ExportFormat::kCoco}) {
-    EXPECT_FALSE(Export(*store_, format, {}, out));
+  for (const auto format : {"objects", "sightings", "coco"}) {
+    EXPECT_FALSE(Export(*store_, **FindExportFormat(format), {}, out));
   }
 }
 
 TEST_F(ExportTest, EmptyIndexGivesEmptyFiles) {
   store_ = *OpenSqliteStore(folder_ / "empty.db", StoreMode::kCreate);
-  EXPECT_EQ(Text(ExportFormat::kObjects), "");
-  EXPECT_EQ(Text(ExportFormat::kSightings), "");
-  EXPECT_EQ(Text(ExportFormat::kMot), "");
-  json coco = json::parse(Text(ExportFormat::kCoco));
+  EXPECT_EQ(Text("objects"), "");
+  EXPECT_EQ(Text("sightings"), "");
+  EXPECT_EQ(Text("mot"), "");
+  json coco = json::parse(Text("coco"));
   coco.erase("info");
   EXPECT_EQ(coco, json::parse(R"({"licenses":[],"images":[],"annotations":[],"categories":[]})"));
 }
@@ -201,7 +200,7 @@ TEST_F(ExportTest, EllipseIsSplitAtTheAntimeridian) {
   object.place->point = {RadiansFromDegrees(-17), RadiansFromDegrees(179.99999), 5};
   object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
-  const json feature = json::parse(Text(ExportFormat::kGeoJson)).at("features").at(0);
+  const json feature = json::parse(Text("geojson")).at("features").at(0);
   const json& ellipse = feature.at("geometry").at("geometries").at(1);
   EXPECT_EQ(ellipse.at("type"), "MultiPolygon");
   ASSERT_EQ(ellipse.at("coordinates").size(), 2U);
@@ -234,24 +233,25 @@ TEST_F(ExportTest, TimesBelongToAVideo) {
   object.place->point = {RadiansFromDegrees(52.5), RadiansFromDegrees(13.25), 81.5};
   object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
-  const json joined = json::parse(Lines(ExportFormat::kObjects, {.model_name = "box"}).front());
+  const json joined = json::parse(Lines("objects", {.model_name = "box"}).front());
   ASSERT_EQ(joined["moments"].size(), 2U);
   EXPECT_EQ(joined["moments"][0]["first_time_s"], 1.48);
   EXPECT_EQ(joined["moments"][0]["first_utc"], nullptr);
   EXPECT_EQ(joined["moments"][1]["video"], "utc.mp4");
   EXPECT_EQ(joined["moments"][1]["last_time_s"], 5.1);
   EXPECT_EQ(joined["moments"][1]["first_utc"], "2023-11-14T22:13:24.000Z");
-  const json map = json::parse(Text(ExportFormat::kGeoJson));
+  const json map = json::parse(Text("geojson"));
   EXPECT_EQ(map["features"][0]["properties"]["moments"], joined["moments"]);
-  EXPECT_THAT(Text(ExportFormat::kKml), Not(HasSubstr("TimeSpan"))) << "the UTC of one of the two is not known";
+  EXPECT_THAT(Text("kml"), Not(HasSubstr("TimeSpan"))) << "the UTC of one of the two is not known";
 
   std::vector<ObjectRecord> apart = {object, object};
   apart[0].tracklets = {1};
   apart[1].id = 3;
   apart[1].tracklets = {3};
   ASSERT_TRUE(store_->PutObjects(apart));
-  EXPECT_THAT(Text(ExportFormat::kKml),
+  EXPECT_THAT(Text("kml"),
               HasSubstr("<TimeSpan><begin>2023-11-14T22:13:24.000Z</begin><end>2023-11-14T22:13:25.100Z</end>"));
+  EXPECT_THAT(Text("czml"), HasSubstr(R"("availability":"2023-11-14T22:13:24.000Z/2023-11-14T22:13:25.100Z")"));
 }
 
 // Reads the KML back by GDAL.
@@ -262,7 +262,7 @@ TEST_F(ExportTest, KmlHasNamesPointsAndEllipses) {
   object.place->covariance_enu_m2 = 9 * Eigen::Matrix3d::Identity();
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
   const std::filesystem::path path = folder_ / "objects.kml";
-  ASSERT_TRUE(WriteFileAtomically(path, Text(ExportFormat::kKml)));
+  ASSERT_TRUE(WriteFileAtomically(path, Text("kml")));
 
   GDALAllRegister();
   const std::unique_ptr<GDALDataset> file(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
@@ -294,8 +294,8 @@ TEST_F(ExportTest, GeoPackageHasPointsEllipsesAndObjectKeys) {
   object.evidence_json = R"({"strength":1.5})";
   ASSERT_TRUE(store_->PutObjects(std::span(&object, 1)));
   const SightingFilter filter{.include_rejected = true};
-  const std::string bytes = Text(ExportFormat::kGpkg, filter);
-  EXPECT_EQ(Text(ExportFormat::kGpkg, filter), bytes) << "the same content, the same bytes";
+  const std::string bytes = Text("gpkg", filter);
+  EXPECT_EQ(Text("gpkg", filter), bytes) << "the same content, the same bytes";
   const std::filesystem::path path = folder_ / "objects.gpkg";
   ASSERT_TRUE(WriteFileAtomically(path, bytes));
 
@@ -312,7 +312,7 @@ TEST_F(ExportTest, GeoPackageHasPointsEllipsesAndObjectKeys) {
   EXPECT_EQ(point->getZ(), 81.5);
   EXPECT_EQ(row->GetFID(), object.id);
   EXPECT_STREQ(objects->GetFIDColumn(), "object_id");
-  const json line = json::parse(Lines(ExportFormat::kObjects, filter).back());
+  const json line = json::parse(Lines("objects", filter).back());
   for (const auto& [key, value] : line.items()) {
     if (key == "object_id") continue;
     const int field = row->GetFieldIndex(key.c_str());
@@ -378,15 +378,15 @@ TEST_F(ExportTest, GeoPackageHasWhatPersonsDecided) {
   EXPECT_EQ(text("rank"), "3");
 }
 
-TEST(ExportFormatTest, HasTheDocumentedNames) {
-  EXPECT_EQ(*ParseExportFormat("objects"), ExportFormat::kObjects);
-  EXPECT_EQ(*ParseExportFormat("sightings"), ExportFormat::kSightings);
-  EXPECT_EQ(*ParseExportFormat("mot"), ExportFormat::kMot);
-  EXPECT_EQ(*ParseExportFormat("coco"), ExportFormat::kCoco);
-  const auto unknown = ParseExportFormat("excel");
+TEST(ExportFormatTest, EachIsFoundByItsName) {
+  for (const ExportFormat* format : ExportFormats()) {
+    EXPECT_EQ(*FindExportFormat(format->name), format);
+    EXPECT_FALSE(format->is_file("my notes")) << format->name;
+  }
+  const auto unknown = FindExportFormat("excel");
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(unknown.error().message, HasSubstr("objects, sightings, mot, coco"));
+  EXPECT_THAT(unknown.error().message, HasSubstr("objects, sightings, mot, coco, cvat, vtt, vmti"));
 }
 
 }  // namespace

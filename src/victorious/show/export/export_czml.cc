@@ -1,0 +1,88 @@
+#include "victorious/show/export/export_czml.h"
+
+#include <optional>
+#include <ostream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "victorious/base/json.h"
+#include "victorious/base/utc.h"
+#include "victorious/show/export/listed_object.h"
+#include "victorious/show/export/place_ellipse.h"
+#include "victorious/types/json_values.h"
+
+namespace victorious {
+namespace {
+
+constexpr int kCzmlTimeDecimals = 3;
+
+Json Rgba(int opacity) { return {{"rgba", {255, 213, 0, opacity}}}; }
+
+void AddPosition(Json& degrees, const GeodeticPoint& point) {
+  degrees.push_back(GeodeticJson(point.longitude_rad));
+  degrees.push_back(GeodeticJson(point.latitude_rad));
+  degrees.push_back(MetresJson(point.altitude_m));
+}
+
+Json PositionsJson(std::span<const GeodeticPoint> points) {
+  Json degrees = Json::array();
+  for (const GeodeticPoint& point : points) AddPosition(degrees, point);
+  return {{"cartographicDegrees", std::move(degrees)}};
+}
+
+Json PacketJson(const ListedObject& listed) {
+  const Geolocation& place = *listed.object.place;
+  const std::string name = fmt::format("{} {}", listed.model, listed.object.id);
+  Json packet = {{"id", fmt::format("object-{}", listed.object.id)},
+                 {"name", name},
+                 {"position", PositionsJson(std::span(&place.point, 1))},
+                 {"point", {{"pixelSize", 9}, {"color", Rgba(255)}}},
+                 {"label", {{"text", name}, {"font", "12px sans-serif"}, {"pixelOffset", {{"cartesian2", {0, -16}}}}}},
+                 {"properties", ObjectJson(listed)}};
+  if (const std::optional<UtcSpan> span = SpanOf(listed.moments)) {
+    packet["availability"] =
+        FormatUtc(span->begin_us, kCzmlTimeDecimals) + "/" + FormatUtc(span->end_us, kCzmlTimeDecimals);
+  }
+  return packet;
+}
+
+// The ellipse, as the other maps draw it: one polygon, or two where the antimeridian cuts it.
+Json EllipseJson(const ListedObject& listed, const GeodeticRing& ring, std::size_t part) {
+  return {{"id", fmt::format("object-{}-ellipse-{}", listed.object.id, part)},
+          {"parent", fmt::format("object-{}", listed.object.id)},
+          {"polygon",
+           {{"positions", PositionsJson(ring)},
+            {"perPositionHeight", true},
+            {"material", {{"solidColor", {{"color", Rgba(64)}}}}}}}};
+}
+
+Status WriteCzml(const ExportRequest& request, std::ostream& out) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects,
+                              ListObjects(request.store, request.catalogue, request.filter));
+  out << "[" << DumpJson(Json{{"id", "document"}, {"name", "victorious"}, {"version", "1.0"}});
+  for (const ListedObject& listed : objects) {
+    if (!listed.object.place) continue;
+    out << ",\n" << DumpJson(PacketJson(listed));
+    const std::vector<GeodeticRing> rings = ComputeEllipse(*listed.object.place);
+    for (std::size_t part = 0; part < rings.size(); ++part) {
+      out << ",\n" << DumpJson(EllipseJson(listed, rings[part], part));
+    }
+  }
+  out << "]\n";
+  return {};
+}
+
+}  // namespace
+
+constinit const ExportFormat kCzmlFormat{
+    .name = "czml",
+    .file = "a CZML document",
+    .is_map = true,
+    .is_file = [](std::string_view head) { return head.starts_with(R"([{"id":"document")"); },
+    .write = &WriteCzml};
+
+}  // namespace victorious
