@@ -1,6 +1,6 @@
 # A thin door to tools/install_packages.sh, CMake and the program. CMake holds the build; nothing is compiled here.
 
-.PHONY: build victorious web install package test results quick demo demo-cluster serve bench check format tidy fuzz asan clean
+.PHONY: build victorious web install package test repository results quick demo demo-cluster serve bench check format tidy fuzz asan clean
 
 # Ninja's progress: files done of all, seconds since the start.
 NINJA_STATUS ?= [%f/%t %es] $(empty)
@@ -36,6 +36,10 @@ install: build
 package: build
 	cmake --build --preset release --target victorious_pages
 	umask 022 && cpack --config build/CPackConfig.cmake -G DEB -B build
+
+# An apt repository of them, build/repository, signed by the key SIGN_KEY of gpg if that is given.
+repository: package
+	SIGN_KEY=$(SIGN_KEY) ./tools/make_repository.sh build build/repository
 
 test:
 	$(call say,serve_tests,make test: about 40 minutes on two cores)

@@ -28,6 +28,9 @@ install(FILES "${_victorious_pages}/_victorious" DESTINATION "${CMAKE_INSTALL_DA
 install(FILES "${_victorious_pages}/victorious.fish" DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d" COMPONENT program)
 # The page of `victorious serve`, if tools/build_web.sh has built it.
 install(DIRECTORY "${CMAKE_BINARY_DIR}/web" DESTINATION "${CMAKE_INSTALL_DATADIR}/victorious" COMPONENT program OPTIONAL)
+# The sample of the page and of `victorious self-test`.
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/assets" DESTINATION "${CMAKE_INSTALL_DATADIR}/victorious" COMPONENT program)
+install(FILES "${PROJECT_SOURCE_DIR}/scenes/demo.json" DESTINATION "${CMAKE_INSTALL_DATADIR}/victorious/scenes" COMPONENT program)
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/victorious" RENAME copyright COMPONENT program)
 
 # The library: `find_package(Victorious)` gives the target Victorious::victorious, pkg-config the package victorious.

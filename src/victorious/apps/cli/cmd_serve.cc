@@ -15,6 +15,7 @@
 
 #include "victorious/apps/cli/arguments.h"
 #include "victorious/apps/cli/command.h"
+#include "victorious/apps/cli/sample_files.h"
 #include "victorious/apps/serve/api.h"
 #include "victorious/apps/serve/base_map.h"
 #include "victorious/apps/serve/http_server.h"
@@ -62,22 +63,6 @@ std::filesystem::path FindPage() {
 }
 
 constexpr const char* kDefaultIndex = "victorious.db";
-
-// The demo's scene and a CAD file of one of its objects, in the repository or where they are installed beside the
-// program.
-std::optional<SampleFiles> FindSample() {
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
-  for (const char* relative : {"..", "../share/victorious"}) {
-    const std::filesystem::path folder = (program / relative).lexically_normal();
-    SampleFiles files{.scene = folder / "scenes/demo.json", .object = folder / "assets/models/jeep.glb"};
-    if (std::filesystem::exists(files.scene, error) && std::filesystem::exists(files.object, error) &&
-        std::filesystem::exists(folder / "assets/town", error)) {
-      return files;
-    }
-  }
-  return std::nullopt;
-}
 
 // Makes an empty index where there is none, if that was asked for: a name that is mistyped is not an index.
 // @return whether it was made

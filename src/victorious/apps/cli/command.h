@@ -41,6 +41,7 @@ Action SetUpParams(ArgumentParser& parser);
 Action SetUpRecord(ArgumentParser& parser);
 Action SetUpRemove(ArgumentParser& parser);
 Action SetUpSearch(ArgumentParser& parser);
+Action SetUpSelfTest(ArgumentParser& parser);
 Action SetUpServe(ArgumentParser& parser);
 Action SetUpSheet(ArgumentParser& parser);
 Action SetUpSimulate(ArgumentParser& parser);

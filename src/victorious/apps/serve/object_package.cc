@@ -1,8 +1,6 @@
 #include "victorious/apps/serve/object_package.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -11,39 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "victorious/base/temporary_folder.h"
 #include "victorious/base/without_folders.h"
 #include "victorious/show/export/export_gpkg.h"
 #include "victorious/show/export/listed_object.h"
 
 namespace victorious {
 namespace {
-
-// A new folder that only this user may read; removed with what it holds.
-class OwnFolder {
- public:
-  [[nodiscard]] static Expected<std::shared_ptr<const OwnFolder>> Make() {
-    std::error_code error;
-    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
-    std::string name = (parent / "victorious-XXXXXX").string();
-    if (error || ::mkdtemp(name.data()) == nullptr) {
-      return std::unexpected(ErrorFromErrno(error ? error.value() : errno, "make a folder for the file"));
-    }
-    return std::shared_ptr<const OwnFolder>(new OwnFolder(std::move(name)));
-  }
-  ~OwnFolder() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-  OwnFolder(const OwnFolder&) = delete;
-  OwnFolder& operator=(const OwnFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  explicit OwnFolder(std::filesystem::path path) : path_(std::move(path)) {}
-
-  std::filesystem::path path_;
-};
 
 // The names of an index.
 struct NamesById {
@@ -118,7 +90,7 @@ Status WriteAll(TriageStore& store, const ObjectQuery& query, VideoNames shown, 
 
 Expected<FileSlice> MakeObjectPackage(TriageStore& store, const ObjectQuery& query, VideoNames names,
                                       const CancelToken& cancel) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const OwnFolder> folder, OwnFolder::Make());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const TemporaryFolder> folder, TemporaryFolder::Make());
   const std::filesystem::path path = folder->path() / "objects.gpkg";
   {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<GeoPackageFile> file, MakeGeoPackageFile(path));
