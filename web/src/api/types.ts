@@ -9,6 +9,7 @@ export type Video = Schemas["Video"];
 export type LeftOutTime = Schemas["LeftOutTime"];
 export type FoundObject = Schemas["Object"];
 export type ObjectDetail = Schemas["ObjectDetail"];
+export type ObjectEvidence = Schemas["ObjectEvidence"];
 export type Evidence = Schemas["Evidence"];
 export type Sighting = Schemas["Sighting"];
 export type Job = Schemas["Job"];

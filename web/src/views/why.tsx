@@ -6,6 +6,7 @@ import type { Evidence } from "../api/types";
 import { STAGES, SHEET, layOut, placeOn, sizeOf, verdictOf } from "../logic/evidence";
 import { type MatchCover, describeCover, matchCover } from "../logic/match_cover";
 import { formatScore } from "../logic/format";
+import { describeObject } from "../logic/object_evidence";
 import { select } from "../selection";
 import * as state from "../state";
 import * as why from "../why";
@@ -101,6 +102,21 @@ function Rivals() {
   );
 }
 
+/** What all of the object's sightings say; nothing of categories. */
+function WholeObject({ object }: { object: number }) {
+  const detail = state.detail.value;
+  if (detail?.state !== "ready" || detail.value.id !== object || detail.value.evidence === null) return null;
+  return (
+    <ul class="whole-object">
+      {describeObject(detail.value.evidence).map(({ text, isDoubt }) => (
+        <li key={text} class={isDoubt ? "doubt" : "muted"}>
+          {text}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
 function Body({ evidence }: { evidence: Evidence }) {
   const last = evidence.stages.length - 1;
   const [stage, setStage] = useState(last);
@@ -114,6 +130,7 @@ function Body({ evidence }: { evidence: Evidence }) {
       <p class="verdict-text">{verdictOf(evidence)}</p>
       {cover && <p class={cover.isOnePatch ? "cover-text doubt" : "cover-text muted"}>{describeCover(cover)}</p>}
       <Rivals />
+      <WholeObject object={evidence.sighting.object_id} />
       <Stages evidence={evidence} stage={stage} choose={setStage} />
       <Sheet evidence={evidence} cover={cover} stage={stage} isWhole={isWhole} hasLines={hasLines} />
       <div class="below">

@@ -298,6 +298,7 @@ TEST_F(ApiTest, ObjectHasItsPlaceAndBestSighting) {
   EXPECT_NEAR(object["place"]["latitude_deg"].get<double>(), 52, 1e-9);
   EXPECT_NEAR(object["place"]["ellipse"]["semi_major_m"].get<double>(), 4.292, 1e-3);
   EXPECT_EQ(object["best"]["frame"], 3) << "the sighting with most matches";
+  EXPECT_TRUE(object.contains("evidence"));
   EXPECT_EQ(object["moments"][0]["frames"], 5);
   EXPECT_EQ(object["rank"], 1);
   EXPECT_EQ(Get("/api/v1/objects/" + std::to_string(ids_[2]))["rank"], 3);
