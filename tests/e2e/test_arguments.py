@@ -90,7 +90,7 @@ class ArgumentsTest(program.ProgramTest):
             (("grid", "even"), ("model", "add", "x", "x.glb", "--models", out, "--layout", "odd")),
             ("--layout", ("model", "add", "x", CRATE, "--models", out, "--layout", "even")),
             ("--directions = 1", ("model", "show", "crate", "--models", MODELS, "--findable", "--directions", "1")),
-            (("one of objects, sightings", "cot, video"), ("export", "--db", INDEX, "--format", "excel")),
+            (("one of objects, sightings", "czml, video"), ("export", "--db", INDEX, "--format", "excel")),
             ("one of objects, sightings", ("export", "--db", INDEX, "--format", "")),
             ("params", ("params", "everything")),
         ):
