@@ -18,8 +18,8 @@ add_custom_target(victorious_pages ALL DEPENDS "${_victorious_pages}/victorious.
 # Installing takes what is built; it does not build the tests first.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
-# `bench` and `experiment` are programs of their own beside the main one.
-install(TARGETS victorious victorious-bench victorious-experiment RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+# `bench` is a program of its own beside the main one; `experiment`, which repeats the thesis, stays with the sources.
+install(TARGETS victorious victorious-bench RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
 # The programs start it; a person never does.
 install(TARGETS victorious-decoder RUNTIME DESTINATION "libexec/victorious" COMPONENT program)
 install(FILES "${_victorious_pages}/victorious.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)

@@ -90,7 +90,7 @@ printf '%-10s %6d s   from the .deb to the first object, of at most %d; %d s of 
 
 # The rest of what is installed.
 inside "victorious doctor" >"$dir/doctor.log" || fail "doctor failed"
-inside "victorious bench --help && victorious experiment list" >"$dir/programs.log" || fail "bench or experiment does not start"
+inside "victorious bench --help && victorious self-test" >"$dir/programs.log" || fail "bench does not start, or self-test fails: $dir/programs.log"
 inside "zcat /usr/share/man/man1/victorious.1.gz | grep -q '^.TH'" || fail "no manual page"
 inside ". /usr/share/bash-completion/completions/victorious && complete -p victorious" >/dev/null || fail "no completion for bash"
 inside "test -s /usr/share/doc/victorious/copyright" || fail "no copyright file"

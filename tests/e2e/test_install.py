@@ -17,8 +17,13 @@ class InstallTest(program.ProgramTest):
         installed = self.scratch / "bin" / "victorious"
         version = subprocess.run([installed, "-V"], capture_output=True, text=True, check=True).stdout
         self.assertEqual(version, self.succeeds("--version").out)
-        listed = subprocess.run([installed, "experiment", "list"], capture_output=True, text=True, check=True).stdout
-        self.assertIn("table3.2", listed)
+        listed = subprocess.run([installed, "bench", "--help"], capture_output=True, text=True, check=True).stdout
+        self.assertIn("match", listed)
+        refused = subprocess.run([installed, "experiment", "list"], capture_output=True, text=True, check=False)
+        self.assertEqual((refused.returncode, refused.stdout), (2, ""))
+        self.assertIn("`make build` builds it from the sources", refused.stderr)
+        self.assertTrue((self.scratch / "share/victorious/assets/models/jeep.glb").exists(), "for self-test and the page")
+        self.assertTrue((self.scratch / "share/victorious/scenes/demo.json").exists())
         bad = self.scratch / "bad.obj"
         bad.write_text("not a mesh")
         refused = subprocess.run([installed, "model", "add", "bad", bad, "--models", self.scratch / "models"],
