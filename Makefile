@@ -39,7 +39,7 @@ package: build
 
 # An apt repository of them, build/repository, signed by the key SIGN_KEY of gpg if that is given.
 repository: package
-	SIGN_KEY=$(SIGN_KEY) ./tools/make_repository.sh build build/repository
+	SIGN_KEY='$(SIGN_KEY)' ./tools/make_repository.sh build build/repository
 
 test:
 	$(call say,serve_tests,make test: about 40 minutes on two cores)

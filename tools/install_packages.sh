@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # install_packages.sh [--test | --tidy | --cluster]: installs the Debian 12 packages that the build and the demo need. Does
-# nothing if all are installed. --test adds what only tests need: clang-format-19, a browser, PostgreSQL with PostGIS.
+# nothing if all are installed. --test adds what only tests need: clang-format-19, a browser, PostgreSQL with PostGIS, gpg.
 # --tidy adds the tools of the lint and fuzz presets, --cluster what `make demo-cluster` starts: PostgreSQL and Slurm.
 set -euo pipefail
 
@@ -17,7 +17,7 @@ packages=(
 )
 case "${1:-}" in
   "") ;;
-  --test) packages+=(clang-format-19 chromium openssl postgresql-15 postgresql-15-postgis-3) ;;
+  --test) packages+=(clang-format-19 chromium dpkg-dev gnupg openssl postgresql-15 postgresql-15-postgis-3) ;;
   --tidy) packages+=(clang-19 clang-format-19 clang-tidy-19 libclang-rt-19-dev libomp-19-dev) ;;
   --cluster) packages+=(postgresql-15 postgresql-15-postgis-3 slurm-wlm munge) ;;
   *)

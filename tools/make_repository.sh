@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# make_repository.sh PACKAGES FOLDER: an apt repository, FOLDER, of the Debian packages (*.deb) in the folder PACKAGES. On
-# the machines that shall install them, as root, with FOLDER at that place or served by a web server:
+# make_repository.sh PACKAGES FOLDER: an apt repository, FOLDER, of the Debian packages (*.deb) in the folder PACKAGES, signed by
+# the key SIGN_KEY of gpg if that is set. FOLDER is replaced only if it is such a repository. On the machines that shall install
+# from it, as root, with FOLDER's absolute path, readable by everybody, or its URL where a web server has it:
+#   install -m 644 FOLDER/victorious.asc /etc/apt/keyrings/
 #   echo "deb [signed-by=/etc/apt/keyrings/victorious.asc] file:FOLDER ./" >/etc/apt/sources.list.d/victorious.list
 #   apt-get update && apt-get install victorious
-# SIGN_KEY=ID signs it by that key of gpg, whose public part is then FOLDER/victorious.asc. An unsigned one needs [trusted=yes]
-# instead of [signed-by=...]. The same packages give the same files, but for the date of Release and the signature.
+# Of an unsigned one: [trusted=yes] instead of [signed-by=...], and no key. The same packages give the same files, but for the
+# date in Release (SOURCE_DATE_EPOCH sets it) and the signature.
 set -euo pipefail
 
 fail() {
@@ -13,18 +15,24 @@ fail() {
 }
 [[ $# -eq 2 ]] || fail "give the folder of the packages and that of the repository: make_repository.sh build build/repository"
 packages=$(realpath -- "$1")
-folder=$2
+folder=$(realpath -m -- "$2")
+[[ "$packages/" != "$folder"/* ]] || fail "$folder: holds the packages: give another folder"
+if [[ -e $folder ]] && ! grep -qs '^Origin: VICTORIOUS$' "$folder/Release"; then
+  fail "$folder: exists and is no repository of this script: give another folder"
+fi
 command -v dpkg-scanpackages >/dev/null || fail "needs dpkg-scanpackages: apt-get install dpkg-dev"
 shopt -s nullglob
 debs=("$packages"/*.deb)
 [[ ${#debs[@]} -gt 0 ]] || fail "$packages: has no *.deb: make package builds them"
 
 made=$folder.part
-rm -rf "$made"
-mkdir -p "$made/pool"
+before=$folder.before
+rm -rf -- "$made" "$before"
+mkdir -p -- "$made/pool"
 cp -- "${debs[@]}" "$made/pool/"
 cd "$made"
-dpkg-scanpackages --multiversion pool >Packages 2>/dev/null
+dpkg-scanpackages --multiversion pool >Packages 2>scan.log || fail "$(tail -n 1 scan.log)"
+rm scan.log
 gzip -9nk Packages
 
 hashes() {
@@ -44,6 +52,7 @@ if [[ -n "${SIGN_KEY:-}" ]]; then
   gpg --batch --armor --export "$SIGN_KEY" >victorious.asc
 fi
 cd - >/dev/null
-rm -rf "$folder"
-mv "$made" "$folder"
+if [[ -e $folder ]]; then mv -- "$folder" "$before"; fi
+mv -- "$made" "$folder"
+rm -rf -- "$before"
 printf '%s: %d packages\n' "$folder" "${#debs[@]}"

@@ -28,12 +28,13 @@ class RepositoryTest(unittest.TestCase):
         (tree / "DEBIAN/control").write_text(control(name, version))
         subprocess.run(["dpkg-deb", "--root-owner-group", "--build", tree, self.packages], check=True, capture_output=True)
 
-    def make(self) -> subprocess.CompletedProcess:
-        return subprocess.run([SCRIPT, self.packages, self.folder / "repository"], capture_output=True, text=True)
+    def make(self, folder: str = "repository", **environment: str) -> subprocess.CompletedProcess:
+        return subprocess.run([SCRIPT, self.packages, f"{self.folder}/{folder}"], capture_output=True, text=True,
+                              env=os.environ | environment)  # fmt: skip
 
-    def apt(self, command: str, *arguments: str) -> str:
+    def apt(self, command: str, *arguments: str, trust: str = "trusted=yes", status: int = 0) -> str:
         """apt with folders of its own, which knows this repository and no other."""
-        (self.folder / "sources.list").write_text(f"deb [trusted=yes] file:{self.folder}/repository ./\n")
+        (self.folder / "sources.list").write_text(f"deb [{trust}] file:{self.folder}/repository ./\n")
         for name in ("lists/partial", "cache/archives/partial", "parts", "keys"):
             (self.folder / "apt" / name).mkdir(parents=True, exist_ok=True)
         (self.folder / "apt/status").touch()
@@ -43,8 +44,37 @@ class RepositoryTest(unittest.TestCase):
                    "APT::Get::List-Cleanup": "0"}  # fmt: skip
         words = [word for name, value in options.items() for word in ("-o", f"{name}={value}")]
         done = subprocess.run([command, *words, *arguments], capture_output=True, text=True, env={**os.environ, "LC_ALL": "C"})
-        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.returncode, status, done.stderr)
         return done.stdout
+
+    def test_apt_trusts_the_key_that_signed(self):
+        self.pack("victorious", "0.1.0")
+        home = self.folder / "gnupg"
+        home.mkdir(mode=0o700)
+        made = ["gpg", "--batch", "--passphrase", "", "--quick-generate-key", "a <a@b>", "rsa2048", "sign", "never"]
+        subprocess.run(made, check=True, capture_output=True, env=os.environ | {"GNUPGHOME": str(home)})
+        done = self.make(GNUPGHOME=str(home), SIGN_KEY="a <a@b>")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        trust = f"signed-by={self.folder}/repository/victorious.asc"
+        self.apt("apt-get", "update", trust=trust)
+        self.assertIn("Candidate: 0.1.0", self.apt("apt-cache", "policy", "victorious", trust=trust))
+        signed = self.folder / "repository/InRelease"
+        signed.write_text(signed.read_text().replace("Label: VICTORIOUS", "Label: VICTORIOUZ"))
+        self.apt("apt-get", "update", "-o", "APT::Update::Error-Mode=any", trust=trust, status=100)
+
+    def test_no_folder_of_others_is_replaced(self):
+        self.pack("victorious", "0.1.0")
+        (self.folder / "mine").mkdir()
+        (self.folder / "mine/notes").touch()
+        for folder, words in (("mine", "is no repository"), ("build", "holds the packages"), (".", "holds the packages")):
+            done = self.make(folder)
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(words, done.stderr)
+        self.assertTrue((self.folder / "mine/notes").exists())
+        self.assertTrue(any(self.packages.iterdir()))
+        for _ in range(2):
+            self.assertEqual(self.make("repository/").returncode, 0)
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir() if path.name.startswith("repository")), ["repository"])
 
     def test_apt_finds_the_newest_version(self):
         for version in ("0.1.0", "0.2.0"):

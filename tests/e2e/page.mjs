@@ -212,7 +212,7 @@ async function checkEvidence(page, object) {
   await becomes(() => page.locator("dialog.why .cover-text").innerText(), /^The matches span \d+ % of the object\.$/);
   await becomes(() => page.locator(".evidence polygon.cover").count(), 1);
   // What all of its sightings say.
-  await becomes(() => page.locator("dialog.why .whole-object li").first().innerText(), /^Recognised in [\d,]+ of [\d,]+ frames?/);
+  await becomes(() => page.locator("dialog.why .whole-object li.muted").first().innerText(), /^Recognised in [\d,]+ of [\d,]+ frames?/);
   // The last stage is shown at first: what survived. The arrow keys go through the others.
   await becomes(() => page.locator(".evidence .match.inlier").count(), inliers);
   await becomes(() => page.locator(".evidence .match:not(.inlier)").count(), 0);

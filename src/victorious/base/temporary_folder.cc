@@ -13,7 +13,8 @@ Expected<std::shared_ptr<const TemporaryFolder>> TemporaryFolder::Make() {
   const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
   std::string name = (parent / "victorious-XXXXXX").string();
   if (error || ::mkdtemp(name.data()) == nullptr) {
-    return std::unexpected(ErrorFromErrno(error ? error.value() : errno, "make a folder for temporary files"));
+    return std::unexpected(ErrorFromErrno(error ? error.value() : errno,
+                                          "make a temporary folder in " + parent.string() + " (TMPDIR names it)"));
   }
   return std::shared_ptr<const TemporaryFolder>(new TemporaryFolder(std::move(name)));
 }

@@ -102,17 +102,20 @@ function Rivals() {
   );
 }
 
-/** What all of the object's sightings say; nothing of categories. */
+/** What all of the object's sightings say, doubts first. */
 function WholeObject({ object }: { object: number }) {
   const detail = state.detail.value;
-  if (detail?.state !== "ready" || detail.value.id !== object || detail.value.evidence === null) return null;
+  if (detail?.state !== "ready" || detail.value.id !== object) return null;
+  const { against, evidence } = detail.value;
   return (
     <ul class="whole-object">
-      {describeObject(detail.value.evidence).map(({ text, isDoubt }) => (
-        <li key={text} class={isDoubt ? "doubt" : "muted"}>
-          {text}
-        </li>
-      ))}
+      {against.length > 0 && <li class="doubt">Doubts: {against.join("; ")}</li>}
+      {evidence !== null &&
+        describeObject(evidence).map((text) => (
+          <li key={text} class="muted">
+            {text}
+          </li>
+        ))}
     </ul>
   );
 }

@@ -14,7 +14,8 @@
 
 namespace victorious::cli {
 
-/// The kinds of file that commands write, beside those of `export` (show/export/export_format.h), as identified by the first 64 KiB of their content.
+/// The kinds of file that commands write, beside those of `export` (show/export/export_format.h), as identified by the
+/// first 64 KiB of their content.
 enum class FileKind {
   kImage,            ///< PNG, JPEG, BMP or PNM without EXIF or XMP: a camera's photo has them
   kGeoTiff,          ///< GeoTIFF of `export --format coverage`

@@ -88,7 +88,8 @@ Error StartSiblingProgram(const std::string& name, const std::vector<std::string
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error).replace_filename(name);
   if (!std::filesystem::exists(program, error)) {
-    return {ErrorCode::kNotFound, fmt::format("{}: is not there; `make build` builds it from the sources", program.string())};
+    return {ErrorCode::kNotFound,
+            fmt::format("{}: is not there; `make build` builds it from the sources", program.string())};
   }
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());

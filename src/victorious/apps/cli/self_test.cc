@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -57,7 +61,7 @@ Expected<std::string> CheckProcessor() {
                                                 kernels::NearestTwoTargetName()));
 }
 
-// The same of a CUDA device; it is none of the program's needs.
+// The same of a CUDA device. The program does not need one.
 Expected<std::string> CheckDevice() {
   constexpr std::size_t kNearest = 4;
   std::string why_not;
@@ -77,7 +81,14 @@ Expected<std::string> CheckDevice() {
   return Fail(ErrorCode::kInternal, fmt::format("{}: gives other distances than the processor", device->name()));
 }
 
-Expected<std::string> CheckSandbox() { return DescribeSandbox(FindSandboxSupport()); }
+// Decoders of hostile files run without rights where the kernel offers that; it should offer seccomp at least.
+Expected<std::string> CheckSandbox() {
+  const SandboxSupport support = FindSandboxSupport();
+  if (support.has_seccomp) return DescribeSandbox(support);
+  return Fail(ErrorCode::kUnsupported, DescribeSandbox(support) +
+                                           ": files that may be hostile are decoded with the "
+                                           "rights of the program");
+}
 
 // The checks that build on each other: a flight, its video, a model, the search.
 class Chain {

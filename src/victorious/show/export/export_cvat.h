@@ -6,7 +6,7 @@
 namespace victorious {
 
 /// A track for each object, with a key frame for each sighting; outside of the picture between its intervals
-/// (object_intervals.h). Error: kInvalidArgument with more than one video.
+/// (single_video.h). Error: kInvalidArgument with more than one video.
 extern const ExportFormat kCvatFormat;
 
 }  // namespace victorious

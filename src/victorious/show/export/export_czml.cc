@@ -1,5 +1,7 @@
 #include "victorious/show/export/export_czml.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <ostream>
 #include <span>
@@ -34,20 +36,38 @@ Json PositionsJson(std::span<const GeodeticPoint> points) {
   return {{"cartographicDegrees", std::move(degrees)}};
 }
 
-Json PacketJson(const ListedObject& listed) {
-  const Geolocation& place = *listed.object.place;
-  const std::string name = fmt::format("{} {}", listed.model, listed.object.id);
-  Json packet = {{"id", fmt::format("object-{}", listed.object.id)},
-                 {"name", name},
-                 {"position", PositionsJson(std::span(&place.point, 1))},
-                 {"point", {{"pixelSize", 9}, {"color", Rgba(255)}}},
-                 {"label", {{"text", name}, {"font", "12px sans-serif"}, {"pixelOffset", {{"cartesian2", {0, -16}}}}}},
-                 {"properties", ObjectJson(listed)}};
-  if (const std::optional<UtcSpan> span = SpanOf(listed.moments)) {
-    packet["availability"] =
-        FormatUtc(span->begin_us, kCzmlTimeDecimals) + "/" + FormatUtc(span->end_us, kCzmlTimeDecimals);
+// Cesium reads neither null nor plain arrays as properties: what is known, and has one value.
+Json PropertiesJson(const ListedObject& listed) {
+  Json properties = Json::object();
+  const Json all = ObjectJson(listed);
+  for (const auto& [key, value] : all.items()) {
+    if (value.is_primitive() && !value.is_null()) properties[key] = value;
   }
+  return properties;
+}
+
+// From its first to its last sighting; what is seen in one frame for a second. Null: a video does not tell UTC.
+Json AvailabilityJson(const ListedObject& listed) {
+  constexpr std::int64_t kShown_us = 1'000'000;
+  const std::optional<UtcSpan> span = SpanOf(listed.moments);
+  if (!span) return nullptr;
+  return FormatUtc(span->begin_us, kCzmlTimeDecimals) + "/" +
+         FormatUtc(std::max(span->end_us, span->begin_us + kShown_us), kCzmlTimeDecimals);
+}
+
+Json WithAvailability(Json packet, const Json& availability) {
+  if (!availability.is_null()) packet["availability"] = availability;
   return packet;
+}
+
+Json PacketJson(const ListedObject& listed) {
+  const std::string name = fmt::format("{} {}", listed.model, listed.object.id);
+  return {{"id", fmt::format("object-{}", listed.object.id)},
+          {"name", name},
+          {"position", PositionsJson(std::span(&listed.object.place->point, 1))},
+          {"point", {{"pixelSize", 9}, {"color", Rgba(255)}}},
+          {"label", {{"text", name}, {"font", "12px sans-serif"}, {"pixelOffset", {{"cartesian2", {0, -16}}}}}},
+          {"properties", PropertiesJson(listed)}};
 }
 
 // The ellipse, as the other maps draw it: one polygon, or two where the antimeridian cuts it.
@@ -66,10 +86,11 @@ Status WriteCzml(const ExportRequest& request, std::ostream& out) {
   out << "[" << DumpJson(Json{{"id", "document"}, {"name", "victorious"}, {"version", "1.0"}});
   for (const ListedObject& listed : objects) {
     if (!listed.object.place) continue;
-    out << ",\n" << DumpJson(PacketJson(listed));
+    const Json availability = AvailabilityJson(listed);
+    out << ",\n" << DumpJson(WithAvailability(PacketJson(listed), availability));
     const std::vector<GeodeticRing> rings = ComputeEllipse(*listed.object.place);
     for (std::size_t part = 0; part < rings.size(); ++part) {
-      out << ",\n" << DumpJson(EllipseJson(listed, rings[part], part));
+      out << ",\n" << DumpJson(WithAvailability(EllipseJson(listed, rings[part], part), availability));
     }
   }
   out << "]\n";
@@ -80,9 +101,9 @@ Status WriteCzml(const ExportRequest& request, std::ostream& out) {
 
 constinit const ExportFormat kCzmlFormat{
     .name = "czml",
-    .file = "a CZML document",
+    .file = "a CZML document of this program",
     .is_map = true,
-    .is_file = [](std::string_view head) { return head.starts_with(R"([{"id":"document")"); },
+    .is_file = [](std::string_view head) { return head.starts_with(R"([{"id":"document","name":"victorious")"); },
     .write = &WriteCzml};
 
 }  // namespace victorious

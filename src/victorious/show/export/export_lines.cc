@@ -45,7 +45,7 @@ Status WriteObjects(const ExportRequest& request, std::ostream& out) {
   return {};
 }
 
-// Skips rows that another process adds during the export: their video or model may not be in the request.catalogue. The next
+// Skips rows that another process adds during the export: their video or model may not be in the catalogue. The next
 // export includes them.
 Status WriteSightings(const ExportRequest& request, std::ostream& out) {
   return request.store.VisitSightings(request.filter, [&](SightingRecord&& sighting) {

@@ -1,5 +1,6 @@
 #include "victorious/show/export/export.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -251,7 +252,17 @@ TEST_F(ExportTest, TimesBelongToAVideo) {
   ASSERT_TRUE(store_->PutObjects(apart));
   EXPECT_THAT(Text("kml"),
               HasSubstr("<TimeSpan><begin>2023-11-14T22:13:24.000Z</begin><end>2023-11-14T22:13:25.100Z</end>"));
-  EXPECT_THAT(Text("czml"), HasSubstr(R"("availability":"2023-11-14T22:13:24.000Z/2023-11-14T22:13:25.100Z")"));
+  const json czml = json::parse(Text("czml"));
+  const auto packet = std::ranges::find_if(
+      czml, [](const json& one) { return one.contains("position") && one.contains("availability"); });
+  ASSERT_NE(packet, czml.end());
+  EXPECT_EQ((*packet)["availability"], "2023-11-14T22:13:24.000Z/2023-11-14T22:13:25.100Z");
+  for (const json& value : (*packet)["properties"]) EXPECT_TRUE(value.is_primitive() && !value.is_null()) << value;
+  const std::string id = (*packet)["id"];
+  const auto ellipse = std::ranges::find(czml, json(id + "-ellipse-0"), [](const json& one) { return one.at("id"); });
+  ASSERT_NE(ellipse, czml.end());
+  EXPECT_EQ((*ellipse)["availability"], (*packet)["availability"]);
+  EXPECT_EQ((*ellipse)["parent"], id);
 }
 
 // Reads the KML back by GDAL.

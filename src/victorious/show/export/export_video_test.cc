@@ -75,9 +75,32 @@ TEST_F(ExportVideoTest, CvatEndsATrackWhereTheObjectIsOutOfView) {
   EXPECT_THAT(text, HasSubstr("<width>640</width><height>480</height>"));
 }
 
+// A box and its end in one frame contradict each other: of a slow video the next frame is more than a second away.
+TEST_F(ExportVideoTest, CvatOfASlowVideoHasOneBoxAFrame) {
+  IndexBatch batch;
+  const auto slow = store_->PutVideo({.content_id = "slow", .name = "slow.mp4", .width = 640, .height = 480});
+  const auto jeep = store_->PutModel({.name = "jeep", .content_id = "1", .kind = ModelKind::kCad});
+  batch.tracklets.push_back({std::nullopt, {.video = slow->id, .model = jeep->id, .score = 0.9, .frames = 2}});
+  for (const std::int64_t frame : {3, 4, 6}) {
+    SightingRecord sighting = SightingIn(frame);
+    sighting.time_s = 5 * static_cast<double>(frame);
+    batch.sightings.push_back({0, sighting});
+  }
+  ASSERT_TRUE(store_->Commit(batch));
+  std::ostringstream out;
+  ASSERT_TRUE(Export(*store_, **FindExportFormat("cvat"), {.video_name = "slow.mp4"}, out));
+  const std::string text = out.str();
+  for (const auto& [box, count] :
+       {std::pair("frame=\"4\"", 1), {"frame=\"5\"", 1}, {"frame=\"7\"", 1}, {"outside=\"1\"", 2}}) {
+    int found = 0;
+    for (std::size_t at = text.find(box); at != std::string::npos; at = text.find(box, at + 1)) ++found;
+    EXPECT_EQ(found, count) << box;
+  }
+}
+
 TEST_F(ExportVideoTest, WebVttHasACueForEachInterval) {
   EXPECT_EQ(Text("vtt"),
-            "WEBVTT\n\n00:00:01.000 --> 00:00:01.500\njeep 1, score 0.900\n"
+            "WEBVTT - victorious\n\n00:00:01.000 --> 00:00:01.500\njeep 1, score 0.900\n"
             "\n00:00:05.000 --> 00:00:05.500\njeep 1, score 0.900\n"
             "\n00:00:09.900 --> 00:00:10.400\nbox &lt;&amp;&gt; 2, score 0.800\n");
 }
@@ -113,7 +136,15 @@ TEST_F(ExportVideoTest, CzmlHasADocumentAndNoObjectsWithoutPlaces) {
   const json czml = json::parse(Text("czml"));
   ASSERT_EQ(czml.size(), 1u);
   EXPECT_EQ(czml[0]["id"], "document");
-  EXPECT_TRUE((*FindExportFormat("czml"))->is_file(Text("czml")));
+}
+
+TEST_F(ExportVideoTest, FilesOfPersonsAreNotOurs) {
+  for (const char* format : {"cvat", "vtt", "czml"}) {
+    EXPECT_TRUE((*FindExportFormat(format))->is_file(Text(format))) << format;
+  }
+  EXPECT_FALSE((*FindExportFormat("cvat"))->is_file("<?xml version=\"1.0\"?>\n<annotations>")) << "corrected in CVAT";
+  EXPECT_FALSE((*FindExportFormat("vtt"))->is_file("WEBVTT\n\n")) << "somebody's subtitles";
+  EXPECT_FALSE((*FindExportFormat("czml"))->is_file(R"([{"id":"document","version":"1.0"}])"));
 }
 
 }  // namespace

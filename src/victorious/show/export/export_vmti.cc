@@ -11,18 +11,18 @@
 #include <fmt/format.h>
 
 #include "victorious/input/telemetry/st0601.h"
-#include "victorious/show/export/listed_object.h"
 #include "victorious/show/export/single_video.h"
 #include "victorious/show/export/vmti_packet.h"
 
 namespace victorious {
 namespace {
 
-// A place is that of the time of the last sighting: it holds for each frame only if the object stands.
-std::map<std::int64_t, Geolocation> StandingPlaces(const std::vector<ListedObject>& objects) {
+// A place is that of the time of the last sighting: it holds for each frame only if the object is not known to move.
+Expected<std::map<std::int64_t, Geolocation>> StandingPlaces(const ExportRequest& request) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> objects, request.store.Objects(request.filter));
   std::map<std::int64_t, Geolocation> places;
-  for (const ListedObject& listed : objects) {
-    if (listed.object.place && !listed.object.place->IsMoving()) places.emplace(listed.object.id, *listed.object.place);
+  for (const ObjectRecord& object : objects) {
+    if (object.place && !object.place->IsMoving()) places.emplace(object.id, *object.place);
   }
   return places;
 }
@@ -36,9 +36,7 @@ Status WriteVmti(const ExportRequest& request, std::ostream& out) {
                             "telemetry that has UTC",
                             kVmtiFormat.name, ShownName(*video)));
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects,
-                              ListObjects(request.store, request.catalogue, request.filter));
-  const std::map<std::int64_t, Geolocation> places = StandingPlaces(objects);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto places, StandingPlaces(request));
   VmtiFrame frame{.frame = -1, .width = video->width, .height = video->height};
   const auto write = [&] {
     if (frame.targets.empty()) return;

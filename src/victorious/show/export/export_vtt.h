@@ -5,7 +5,7 @@
 
 namespace victorious {
 
-/// A cue for each interval (object_intervals.h) of each object, in the order of time. One of less than half a second is
+/// A cue for each interval (single_video.h) of each object, in the order of time. One of less than half a second is
 /// shown that long, to be read. Error: kInvalidArgument with more than one video.
 extern const ExportFormat kVttFormat;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -77,42 +78,61 @@ std::uint64_t PixelNumber(int column, int row, const VmtiFrame& frame) {
          static_cast<std::uint64_t>(column) + 1;
 }
 
-int WithinFrame(double pixel, int size) {
-  return static_cast<int>(std::clamp(pixel, 0.0, static_cast<double>(size - 1)));
+// Its pixels within the frame, the last ones included; std::nullopt if there is none.
+struct PixelBox {
+  int left;
+  int top;
+  int right;
+  int bottom;
+};
+
+std::optional<PixelBox> PixelsOf(const Box& box, const VmtiFrame& frame) {
+  const Box within = Intersection(box, FrameBox(frame.width, frame.height));
+  if (!(within.width > 0 && within.height > 0)) return std::nullopt;
+  const auto last = [](double begin, double size) { return static_cast<int>(std::ceil(begin + size)) - 1; };
+  return PixelBox{static_cast<int>(within.x), static_cast<int>(within.y), last(within.x, within.width),
+                  last(within.y, within.height)};
 }
+
+constexpr double kMinHeight_m = -900;
+constexpr double kMaxHeight_m = 19000;
+constexpr double kMaxSigma_m = 650;
 
 // A truncation pack: what follows the height are standard deviations and correlations, east, north, up.
 KlvBytes EncodePlace(const Geolocation& place) {
-  constexpr double kMaxSigma_m = 650;
   KlvBytes out = EncodeImapb(DegreesFromRadians(place.point.latitude_rad), -90, 90, 4);
   Append(out, EncodeImapb(DegreesFromRadians(place.point.longitude_rad), -180, 180, 4));
-  Append(out, EncodeImapb(place.point.altitude_m, -900, 19000, 2));
+  Append(out, EncodeImapb(place.point.altitude_m, kMinHeight_m, kMaxHeight_m, 2));
   const Eigen::Matrix3d& covariance = place.covariance_enu_m2;
   const Eigen::Vector3d sigmas = covariance.diagonal().cwiseSqrt();
+  if (!covariance.allFinite() || !(sigmas.maxCoeff() <= kMaxSigma_m) || !(sigmas.minCoeff() > 0)) return out;
   for (const double sigma : sigmas) Append(out, EncodeImapb(sigma, 0, kMaxSigma_m, 2));
   constexpr auto kPairs = std::to_array<std::pair<int, int>>({{0, 1}, {0, 2}, {1, 2}});
-  for (const auto& [i, j] : kPairs) {
-    const double product = sigmas[i] * sigmas[j];
-    Append(out, EncodeImapb(product > 0 ? covariance(i, j) / product : 0, -1, 1, 2));
-  }
+  for (const auto& [i, j] : kPairs) Append(out, EncodeImapb(covariance(i, j) / (sigmas[i] * sigmas[j]), -1, 1, 2));
   return out;
 }
 
-KlvBytes EncodeTarget(const VmtiTarget& target, const VmtiFrame& frame) {
-  const Box& box = target.box;
-  const int left = WithinFrame(std::floor(box.x), frame.width);
-  const int top = WithinFrame(std::floor(box.y), frame.height);
-  const int right = WithinFrame(std::ceil(box.x + box.width) - 1, frame.width);
-  const int bottom = WithinFrame(std::ceil(box.y + box.height) - 1, frame.height);
+bool HasPlace(const VmtiTarget& target) {
+  if (!target.place) return false;
+  const GeodeticPoint& point = target.place->point;
+  return std::isfinite(point.latitude_rad) && std::isfinite(point.longitude_rad) && point.altitude_m >= kMinHeight_m &&
+         point.altitude_m <= kMaxHeight_m;
+}
+
+std::uint64_t PercentOf(double probability) {
+  return probability > 0 ? static_cast<std::uint64_t>(std::lround(100 * std::min(probability, 1.0))) : 0;
+}
+
+KlvBytes EncodeTarget(const VmtiTarget& target, const PixelBox& box, const VmtiFrame& frame) {
   KlvBytes out;
   AppendOid(out, static_cast<std::uint64_t>(target.id));
-  AppendItem(out, 1, ShortUnsigned(PixelNumber((left + right) / 2, (top + bottom) / 2, frame)));
-  AppendItem(out, 2, ShortUnsigned(PixelNumber(left, top, frame)));
-  AppendItem(out, 3, ShortUnsigned(PixelNumber(right, bottom, frame)));
-  AppendItem(out, 5,
-             Unsigned(static_cast<std::uint64_t>(std::lround(100 * std::clamp(target.confidence, 0.0, 1.0))), 1));
-  if (target.place) AppendItem(out, 17, EncodePlace(*target.place));
+  AppendItem(out, 1, ShortUnsigned(PixelNumber((box.left + box.right) / 2, (box.top + box.bottom) / 2, frame)));
+  AppendItem(out, 2, ShortUnsigned(PixelNumber(box.left, box.top, frame)));
+  AppendItem(out, 3, ShortUnsigned(PixelNumber(box.right, box.bottom, frame)));
+  AppendItem(out, 5, Unsigned(PercentOf(target.confidence), 1));
+  if (HasPlace(target)) AppendItem(out, 17, EncodePlace(*target.place));
   KlvBytes object;
+  AppendItem(object, 1, Text(kVmtiOntology));
   AppendItem(object, 2, Text(target.label));
   AppendItem(out, 102, object);
   return out;
@@ -120,22 +140,30 @@ KlvBytes EncodeTarget(const VmtiTarget& target, const VmtiFrame& frame) {
 
 KlvBytes EncodeVmtiSet(const VmtiFrame& frame) {
   KlvBytes targets;
-  for (const VmtiTarget& target : frame.targets) AppendMember(targets, EncodeTarget(target, frame));
+  std::uint64_t count = 0;
+  for (const VmtiTarget& target : frame.targets) {
+    const std::optional<PixelBox> box = PixelsOf(target.box, frame);
+    if (!box) continue;
+    AppendMember(targets, EncodeTarget(target, *box, frame));
+    ++count;
+  }
   KlvBytes out;
   AppendItem(out, 3, Text(kVmtiSystem));
   AppendItem(out, 4, ShortUnsigned(kSt0903Version));
-  AppendItem(out, 5, ShortUnsigned(frame.targets.size()));
-  AppendItem(out, 6, ShortUnsigned(frame.targets.size()));
+  AppendItem(out, 5, ShortUnsigned(count));
+  AppendItem(out, 6, ShortUnsigned(count));
   AppendItem(out, 7, ShortUnsigned(static_cast<std::uint64_t>(frame.frame)));
   AppendItem(out, 8, ShortUnsigned(static_cast<std::uint64_t>(frame.width)));
   AppendItem(out, 9, ShortUnsigned(static_cast<std::uint64_t>(frame.height)));
-  AppendItem(out, 101, targets);
+  if (count > 0) AppendItem(out, 101, targets);
   return out;
 }
 
 }  // namespace
 
 std::vector<std::byte> EncodeImapb(double value, double min, double max, int bytes) {
+  constexpr std::uint64_t kQuietNan = 0xD0;  // of its first byte; the others are zero
+  if (std::isnan(value)) return Unsigned(kQuietNan << (8U * static_cast<unsigned>(bytes - 1)), bytes);
   const double inside = std::clamp(value, min, max);
   const int range_power = static_cast<int>(std::ceil(std::log2(max - min)));
   const double scale = std::ldexp(1.0, 8 * bytes - 1 - range_power);

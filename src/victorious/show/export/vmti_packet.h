@@ -21,18 +21,22 @@ namespace victorious {
 /// The name of the system that found the targets.
 inline constexpr std::string_view kVmtiSystem = "VICTORIOUS";
 
+/// What says of which ontology the classes are: the names of models and categories as their user gave them.
+inline constexpr std::string_view kVmtiOntology = "urn:victorious:models";
+
 struct VmtiTarget {
   std::int64_t id = 0;    ///< from 1
-  Box box;                ///< px; clipped to the frame when written
+  Box box;                ///< px; clipped to the frame when written; a target outside of it is left out
   double confidence = 0;  ///< 0 to 1
   std::string label;      ///< its class
+  /// Left out if it is not finite or beyond the standard's range; its errors alone if they are.
   std::optional<Geolocation> place;
 };
 
 struct VmtiFrame {
   std::int64_t utc_us = 0;  ///< microseconds since 1970
   std::int64_t frame = 0;   ///< from 0
-  int width = 0;            ///< px
+  int width = 0;            ///< px; without a size the frame has no targets
   int height = 0;           ///< px
   std::vector<VmtiTarget> targets;
 };
@@ -40,8 +44,8 @@ struct VmtiFrame {
 /// One packet: label, length, value.
 [[nodiscard]] std::vector<std::byte> EncodeVmti(const VmtiFrame& frame);
 
-/// The forward mapping of ST 1201 of a number within [min, max] to so many bytes, big-endian; beyond, that of the
-/// nearer bound.
+/// The forward mapping of ST 1201 of a number to so many bytes, big-endian. Beyond [min, max] that of the nearer bound;
+/// NaN is the standard's quiet NaN.
 [[nodiscard]] std::vector<std::byte> EncodeImapb(double value, double min, double max, int bytes);
 
 }  // namespace victorious

@@ -1,5 +1,7 @@
 #include "victorious/show/export/vmti_packet.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "victorious/geometry/angles.h"
@@ -40,24 +42,70 @@ VmtiFrame SmallFrame() {
 // The bytes were made by an encoder written apart, from the standard.
 TEST(VmtiPacket, OneTargetByteForByte) {
   EXPECT_EQ(HexText(EncodeVmti(SmallFrame())),
-            "060e2b34020b01010e0103010100000068020800060a24181e40004101134a55030a564943544f52494f55530401050501010601"
-            "010702012c08020280090201e06532318148010255140202320b03027a9e05015b1116470ccccc2e533333039100400020001060"
-            "0040004000660602046a6565700102ed5e");
+            "060e2b34020b01010e010301010000007f020800060a24181e40004101134a6c030a564943544f52494f55530401050501010601"
+            "010702012c08020280090201e06549488148010255140202320b03027a9e05015b1116470ccccc2e533333039100400020001060"
+            "0040004000661d011575726e3a766963746f72696f75733a6d6f64656c7302046a65657001025d20");
+}
+
+KlvPacket Decoded(const VmtiFrame& frame) {
+  const std::vector<std::byte> bytes = EncodeVmti(frame);
+  const KlvUnits units = SplitKlv(bytes);
+  EXPECT_EQ(units.units.size(), 1u);
+  return DecodeSt0601(units.units.front());
+}
+
+// How many bytes the nested set has.
+std::size_t SetSize(const VmtiFrame& frame) {
+  const KlvPacket packet = Decoded(frame);
+  return std::get<KlvRaw>(packet.Find(74)->value).size();
 }
 
 TEST(VmtiPacket, IsAPacketOfSt0601WithANestedSet) {
   VmtiFrame frame = SmallFrame();
-  for (int i = 0; i < 30; ++i) frame.targets.push_back({.id = i, .box = {-50, 400, 700, 500}, .label = "a long name"});
-  const std::vector<std::byte> bytes = EncodeVmti(frame);
-  const KlvUnits units = SplitKlv(bytes);
-  ASSERT_EQ(units.units.size(), 1u);
-  const KlvPacket packet = DecodeSt0601(units.units.front());
+  for (int i = 1; i <= 30; ++i) frame.targets.push_back({.id = i, .box = {-50, 400, 700, 500}, .label = "a long name"});
+  const KlvPacket packet = Decoded(frame);
   EXPECT_EQ(packet.problem, "");
   EXPECT_EQ(packet.Number(2), 1.7e15);
   ASSERT_TRUE(packet.checksum);
   EXPECT_TRUE(packet.checksum->IsValid());
   ASSERT_NE(packet.Find(74), nullptr);
   EXPECT_TRUE(packet.Find(74)->is_set);
+}
+
+TEST(VmtiPacket, BoxesAreClippedAndThoseOutsideLeftOut) {
+  VmtiFrame inside = SmallFrame();
+  VmtiFrame beyond = inside;
+  inside.targets.front().box = {0, 0, 640, 480};
+  beyond.targets.front().box = {-30, -10, 900, 700};
+  EXPECT_EQ(EncodeVmti(inside), EncodeVmti(beyond));
+
+  VmtiFrame none = inside;
+  none.targets.clear();
+  for (const Box& box : {Box{-50, 10, 20, 20}, Box{640, 0, 5, 5}, Box{10, 10, 0, 5}, Box{10, 10, NAN, 5}}) {
+    beyond.targets.front().box = box;
+    EXPECT_EQ(EncodeVmti(beyond), EncodeVmti(none)) << box.x;
+  }
+  beyond.width = 0;
+  EXPECT_EQ(Decoded(beyond).problem, "");
+}
+
+TEST(VmtiPacket, ValuesBeyondTheStandardAreLeftOut) {
+  VmtiFrame frame = SmallFrame();
+  const std::size_t whole = SetSize(frame);
+  constexpr std::size_t kErrors = 12;
+  constexpr std::size_t kPlace = 2 + 10;  // number, length, latitude, longitude, height
+  Geolocation& place = *frame.targets.front().place;
+  place.covariance_enu_m2(0, 0) = 1e8;
+  EXPECT_EQ(SetSize(frame), whole - kErrors) << "10 km are no 650 m";
+  place.covariance_enu_m2(0, 0) = -1e-9;
+  EXPECT_EQ(SetSize(frame), whole - kErrors);
+  for (const double height_m : {-5000.0, 25000.0, static_cast<double>(NAN)}) {
+    place.point.altitude_m = height_m;
+    EXPECT_EQ(SetSize(frame), whole - kErrors - kPlace) << height_m;
+  }
+  frame.targets.front().confidence = NAN;
+  EXPECT_EQ(Decoded(frame).problem, "");
+  EXPECT_EQ(ImapbValue(EncodeImapb(NAN, 0, 650, 2), 0, 650), std::nullopt);
 }
 
 }  // namespace
