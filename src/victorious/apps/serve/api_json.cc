@@ -1,6 +1,7 @@
 #include "victorious/apps/serve/api_json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <ranges>
@@ -178,6 +179,21 @@ Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
           {"review", ReviewToJson(listed.review)},
           {"decisions", DecisionsToJson(listed.decisions)},
           {"is_disputed", listed.is_disputed}};
+}
+
+Json ObjectEvidenceToJson(const std::string& text) {
+  constexpr auto kKeys = std::to_array<const char*>(
+      {"recognitions", "frames", "by_shape", "missed", "size_ratio", "lines", "missing_lines", "place_rejected",
+       "headings", "contradicting_headings", "view_steps", "view_jumps", "view_spread_deg"});
+  const Expected<nlohmann::json> all = ParseStrictJson(text);
+  if (!all || !all->is_object()) return nullptr;
+  Json known = Json::object();
+  for (const char* key : kKeys) {
+    const auto found = all->find(key);
+    if (found == all->end()) return nullptr;
+    known[key] = *found;
+  }
+  return known;
 }
 
 Json CountsToJson(const ObjectCounts& counts) {

@@ -18,6 +18,10 @@ namespace victorious {
 
 [[nodiscard]] Json ObjectToJson(const TriageObject& listed, const IndexLists& lists);
 
+/// The evidence that the store has of an object, as the schema ObjectEvidence; null if it has none, or one of an older
+/// version that lacks a key.
+[[nodiscard]] Json ObjectEvidenceToJson(const std::string& text);
+
 [[nodiscard]] Json CountsToJson(const ObjectCounts& counts);
 
 [[nodiscard]] Json SightingToJson(const SightingRecord& sighting);

@@ -11,9 +11,11 @@
 #include "testing/data.h"
 #include "testing/vector_tile_reader.h"
 #include "testing/video_tools.h"
+#include "victorious/apps/serve/api_json.h"
 #include "victorious/base/file.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/input/image/image_file.h"
+#include "victorious/place/associate/object_score.h"
 
 namespace victorious {
 namespace {
@@ -305,6 +307,15 @@ TEST_F(ApiTest, ObjectHasItsPlaceAndBestSighting) {
   EXPECT_TRUE(Get("/api/v1/objects/" + std::to_string(ids_[1]))["place"].is_null());
   EXPECT_EQ(Get("/api/v1/objects/99999", 404)["code"], "not_found");
   EXPECT_EQ(Get("/api/v1/objects/none", 404)["code"], "not_found");
+}
+
+TEST(ObjectEvidenceJson, IsThatOfTheStoreOrNull) {
+  const Json whole = ObjectEvidenceToJson(ToJsonText({.recognitions = 3, .frames = 5}));
+  EXPECT_EQ(whole["recognitions"], 3);
+  EXPECT_FALSE(whole.contains("strength")) << "the schema has no more than the page shows";
+  for (const char* text : {"", "{}", R"({"recognitions":3,"frames":5})", "[1]", "damaged"}) {
+    EXPECT_TRUE(ObjectEvidenceToJson(text).is_null()) << text;
+  }
 }
 
 TEST_F(ApiTest, SightingsAreThoseOfTheTimes) {

@@ -343,7 +343,7 @@ ApiExpected<HttpResponse> ObjectRoutes::Get(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ObjectSortKey> key, store.FindKey(id, {}));
   Json json = ObjectToJson(object, *lists);
   json["best"] = best ? SightingToJson(*best) : Json();
-  json["evidence"] = ParseStrictJson(object.object.evidence_json).value_or(nullptr);
+  json["evidence"] = ObjectEvidenceToJson(object.object.evidence_json);
   VICTORIOUS_ASSIGN_OR_RETURN(json["key"], KeyOf(object, *lists, *reader));
   json["rank"] = nullptr;
   if (key) {
