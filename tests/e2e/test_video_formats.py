@@ -140,7 +140,7 @@ class VideoFormatsTest(program.ProgramTest):
 
     def test_webvtt_covers_the_times_of_each_object(self):
         text = self.export(self.db, "vtt")
-        self.assertTrue(text.startswith("WEBVTT\n\n"))
+        self.assertTrue(text.startswith("WEBVTT - victorious\n\n"))
         cues = re.findall(r"(?m)^(\d\d):(\d\d):(\d\d\.\d{3}) --> (\d\d):(\d\d):(\d\d\.\d{3})\n(\S+) (\d+), score", text)
         for identifier, row in self.objects.items():
             mine = [[int(cue[k]) * 3600 + int(cue[k + 1]) * 60 + float(cue[k + 2]) for k in (0, 3)] for cue in cues
