@@ -21,16 +21,6 @@ import program
 PASSWORD = "correct horse battery"
 
 
-def make_certificate(folder: Path) -> tuple[Path, Path]:
-    """One that signs itself, and its key."""
-    certificate, key = folder / "server.pem", folder / "server.key"
-    new_key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-days", "2")
-    names = ("-subj", "/CN=localhost", "-addext", "subjectAltName=IP:127.0.0.1")
-    subprocess.run(["openssl", "req", "-x509", *new_key, *names, "-keyout", key, "-out", certificate], check=True,
-                   capture_output=True)  # fmt: skip
-    return certificate, key
-
-
 def add_users(db: Path, count: int) -> None:
     for number in range(1, count + 1):
         done = program.run("user", "add", f"user-{number}", "--role", "analyst", "--db", db, input=PASSWORD + "\n")
@@ -53,7 +43,7 @@ def main() -> int:
         sizes = (arguments.videos, arguments.objects, arguments.sightings)
         subprocess.run([program.PROGRAM.parent / "make-large-index", db, *map(str, sizes)], check=True, stdout=sys.stderr)
         add_users(db, arguments.users)
-        certificate, key = make_certificate(folder)
+        certificate, key = program.self_signed(folder, "server")
         load = (arguments.users, arguments.seconds, arguments.sockets)
         with program.Server(db, "--tls-cert", certificate, "--tls-key", key) as server:
             command = ["node", program.REPOSITORY / "bench/serve_users.mjs", server.url, PASSWORD, *map(str, load)]

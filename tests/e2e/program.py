@@ -88,6 +88,15 @@ def folder_until_exit() -> Path:
     return folder
 
 
+def self_signed(folder: Path, name: str, subject: str = "localhost", alternative: str | None = "IP:127.0.0.1") -> tuple[Path, Path]:
+    """NAME.pem and NAME.key in the folder: a certificate that signs itself, and its key. Needs openssl."""
+    files = (folder / f"{name}.pem", folder / f"{name}.key")
+    new = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-days", "2", "-subj", f"/CN={subject}")
+    names = ("-addext", f"subjectAltName={alternative}") if alternative else ()
+    subprocess.run(["openssl", "req", "-x509", *new, *names, "-out", files[0], "-keyout", files[1]], check=True, capture_output=True)
+    return files
+
+
 @functools.cache
 def flight(frames: int = FRAMES) -> Path:
     """A folder with flight.mkv, flight.mp4, flight.ts, truth.jsonl and photos (draw_flight.cc). Read-only."""

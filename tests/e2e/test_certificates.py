@@ -21,11 +21,7 @@ WITH_PASSWORD = "Authorization: Basic YW5uOnNlY3JldA=="  # ann:secret
 class CertificatesTest(test_serve.ServerCase):
     def certificate(self, name, host="IP:127.0.0.1"):
         """The files of a certificate that signs itself, and of its key."""
-        files = (self.scratch / f"{name}.pem", self.scratch / f"{name}.key")
-        new = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-days", "2", "-subj", f"/CN={name}")
-        names = ("-addext", f"subjectAltName={host}", "-out", files[0], "-keyout", files[1])
-        subprocess.run(["openssl", "req", "-x509", *new, *names], check=True, capture_output=True)
-        return files
+        return program.self_signed(self.scratch, name, name, host)
 
     def camera(self, certificate, key):
         return streams.Rtsps(program.flight() / "flight.ts", 2, certificate, key)

@@ -336,11 +336,9 @@ class ClusterTest(program.ProgramTest):
     def test_server_whose_certificate_is_not_valid_is_refused(self):
         self.videos = self.videos[:1]
         content = self.submit_published()
-        files = [self.scratch / name for name in ("key.pem", "certificate.pem")]
-        new = ("req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-subj", "/CN=a")
-        subprocess.run(["openssl", *new, "-keyout", files[0], "-out", files[1]], check=True, capture_output=True)
+        files = program.self_signed(self.scratch, "server", alternative=None)
         tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-        tls.load_cert_chain(files[1], files[0])
+        tls.load_cert_chain(*files)
         with self.web_server(content, tls) as url:
             worker = self.start_worker("--content", url, "--cache", self.scratch / "cache")
             self.wait_until(lambda: self.events_of(worker).count("released") == 1)

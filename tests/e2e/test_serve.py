@@ -288,11 +288,8 @@ class ServeTest(ServerCase):
     @unittest.skipIf(shutil.which("openssl") is None, "openssl is not installed")
     def test_tls(self):
         """To another machine: by TLS, with an account, under the name of the certificate."""
-        names = ("-subj", "/CN=search.example", "-addext", "subjectAltName=DNS:search.example")
-        new_key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-days", "2")
         for name in ("server", "other"):
-            files = ("-keyout", self.scratch / f"{name}.key", "-out", self.scratch / f"{name}.pem")
-            subprocess.run(["openssl", "req", "-x509", *new_key, *names, *files], check=True, capture_output=True)
+            program.self_signed(self.scratch, name, "search.example", "DNS:search.example")
         certificate = ("--tls-cert", self.scratch / "server.pem")
         key = ("--tls-key", self.scratch / "server.key")
         self.refuses(2, "user add", "serve", "--db", self.db, "--listen", "0.0.0.0:0", *certificate, *key)

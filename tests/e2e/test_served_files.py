@@ -79,9 +79,7 @@ class ServedFilesTest(test_serve.ServerCase):
 
     @unittest.skipIf(shutil.which("openssl") is None, "openssl is not installed")
     def test_the_key_of_the_server_is_never_opened(self):
-        files = ("-keyout", self.shown / "server.key", "-out", self.shown / "server.pem")
-        new = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-noenc", "-days", "2", "-subj", "/CN=x")
-        subprocess.run(["openssl", "req", "-x509", *new, *files], check=True, capture_output=True)
+        program.self_signed(self.shown, "server", alternative=None)
         for name in ("server.key", "server.pem"):
             self.name(self.shown / name)
             certificate = ("--tls-cert", self.shown / "server.pem", "--tls-key", self.shown / "server.key")
