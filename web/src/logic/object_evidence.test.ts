@@ -5,7 +5,7 @@ import { describeObject } from "./object_evidence";
 
 const good: ObjectEvidence = {
   recognitions: 12, frames: 14, by_shape: 0, missed: 0, size_ratio: 1.004, lines: 14, missing_lines: 1, place_rejected: false,
-  headings: 14, contradicting_headings: 2, view_steps: 11, view_jumps: 0, view_spread_deg: 23.4,
+  headings: 14, contradicting_headings: 2, view_spread_deg: 23.4,
 };
 
 describe("what all sightings of an object say", () => {

@@ -182,9 +182,9 @@ Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
 }
 
 Json ObjectEvidenceToJson(const std::string& text) {
-  constexpr auto kKeys = std::to_array<const char*>(
-      {"recognitions", "frames", "by_shape", "missed", "size_ratio", "lines", "missing_lines", "place_rejected",
-       "headings", "contradicting_headings", "view_steps", "view_jumps", "view_spread_deg"});
+  constexpr auto kKeys = std::to_array<const char*>({"recognitions", "frames", "by_shape", "missed", "size_ratio",
+                                                     "lines", "missing_lines", "place_rejected", "headings",
+                                                     "contradicting_headings", "view_spread_deg"});
   const Expected<nlohmann::json> all = ParseStrictJson(text);
   if (!all || !all->is_object()) return nullptr;
   Json known = Json::object();

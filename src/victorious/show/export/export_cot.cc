@@ -37,8 +37,6 @@ constexpr auto kCotWords = std::to_array<CotWord>({
     {"van", "a-u-G-E-V-C"},      {"vehicle", "a-u-G-E-V"},  {"person", "a-u-G"},       {"building", "a-u-G-I"},
 });
 
-constexpr int kCotTimeDecimals = 3;
-
 bool IsAsciiWord(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
 
 // The same for each export of one index, and for every index of the same videos and models; another for others.
@@ -90,11 +88,10 @@ std::string EventText(const ListedObject& listed, const Catalogue& everything, s
       "<event version=\"2.0\" uid=\"{}\" type=\"{}\" how=\"m-f\" time=\"{}\" start=\"{}\" stale=\"{}\">"
       "<point lat=\"{:.8f}\" lon=\"{:.8f}\" hae=\"{:.2f}\" ce=\"{:.2f}\" le=\"{:.2f}\"/>"
       "<detail><contact callsign=\"{} {}\"/>{}<remarks>{}</remarks></detail></event>\n",
-      UidOf(listed.object, everything), type, FormatUtc(now_us, kCotTimeDecimals),
-      FormatUtc(start_us, kCotTimeDecimals), FormatUtc(stale_us, kCotTimeDecimals),
-      DegreesFromRadians(place.point.latitude_rad), DegreesFromRadians(place.point.longitude_rad),
-      place.point.altitude_m, ce_m, le_m, EscapedXml(listed.model), listed.object.id, track,
-      EscapedXml(RemarksOf(listed)));
+      UidOf(listed.object, everything), type, FormatUtc(now_us, kUtcDecimals), FormatUtc(start_us, kUtcDecimals),
+      FormatUtc(stale_us, kUtcDecimals), DegreesFromRadians(place.point.latitude_rad),
+      DegreesFromRadians(place.point.longitude_rad), place.point.altitude_m, ce_m, le_m, EscapedXml(listed.model),
+      listed.object.id, track, EscapedXml(RemarksOf(listed)));
 }
 
 }  // namespace

@@ -20,8 +20,6 @@
 namespace victorious {
 namespace {
 
-constexpr int kCzmlTimeDecimals = 3;
-
 Json Rgba(int opacity) { return {{"rgba", {255, 213, 0, opacity}}}; }
 
 void AddPosition(Json& degrees, const GeodeticPoint& point) {
@@ -51,8 +49,8 @@ Json AvailabilityJson(const ListedObject& listed) {
   constexpr std::int64_t kShown_us = 1'000'000;
   const std::optional<UtcSpan> span = SpanOf(listed.moments);
   if (!span) return nullptr;
-  return FormatUtc(span->begin_us, kCzmlTimeDecimals) + "/" +
-         FormatUtc(std::max(span->end_us, span->begin_us + kShown_us), kCzmlTimeDecimals);
+  return FormatUtc(span->begin_us, kUtcDecimals) + "/" +
+         FormatUtc(std::max(span->end_us, span->begin_us + kShown_us), kUtcDecimals);
 }
 
 Json WithAvailability(Json packet, const Json& availability) {

@@ -47,14 +47,12 @@ std::string CoordinatesText(const GeodeticPoint& point) {
   return fmt::format("{:.9f},{:.9f}", DegreesFromRadians(point.longitude_rad), DegreesFromRadians(point.latitude_rad));
 }
 
-constexpr int kTimeDecimals = 3;
-
 std::string PlacemarkText(const ListedObject& listed) {
   // A date that is not known is left out: a viewer would show the object at another time.
   std::string times;
   if (const std::optional<UtcSpan> span = SpanOf(listed.moments)) {
-    times = fmt::format("<TimeSpan><begin>{}</begin><end>{}</end></TimeSpan>", FormatUtc(span->begin_us, kTimeDecimals),
-                        FormatUtc(span->end_us, kTimeDecimals));
+    times = fmt::format("<TimeSpan><begin>{}</begin><end>{}</end></TimeSpan>", FormatUtc(span->begin_us, kUtcDecimals),
+                        FormatUtc(span->end_us, kUtcDecimals));
   }
   const Geolocation& place = *listed.object.place;
   std::string ellipse;

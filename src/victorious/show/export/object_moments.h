@@ -27,6 +27,9 @@ struct ObjectMoment {
   [[nodiscard]] std::optional<std::int64_t> UtcOf(double time_s) const;
 };
 
+/// Of seconds in a UTC text.
+inline constexpr int kUtcDecimals = 3;
+
 using MomentsByObject = std::map<std::int64_t, std::vector<ObjectMoment>>;
 
 /// Returns the moments of all objects, by object id and then by video id.
