@@ -6,8 +6,8 @@ Usage: real_time.py --models DIR [--library DIR] [--size WxH] [--hfov DEG] [--se
 
 Simulates a flight of S seconds (default 60) in frames of W x H pixels (640x480; hfov 16 degrees) over a town in which twelve of the CAD models of DIR (NAME.glb) stand, into WORK/flight
 unless that folder exists, and plays it N times one after the other (make-stream; default 1, which is the flight itself). All
-models of DIR are made into the library, WORK/models by default, unless they are there. The video is indexed by default twice: `first` makes the
-relit templates, `again` finds them on disk. Prints JSON; of each run:
+models of DIR are made into the library, WORK/models by default, unless they are there. The video is indexed by
+default twice: `first` makes the relit templates, `again` finds them on disk. Prints JSON; of each run:
 
   real_time    duration of the video / wall time of `victorious index`, opening it and its start included
   processor_s  processor time

@@ -140,9 +140,13 @@ def run_command(run: Run, root: Path, where: dict[str, str]) -> dict:
     return {"text": done.stdout, "origin": origin}
 
 
+def kept_output(run: Run, where: dict[str, str]) -> Path:
+    return Path(where["OUT"]) / "outputs" / f"{run.name}.json"
+
+
 def measure(run: Run, root: Path, where: dict[str, str], reread: bool) -> dict[str, Figure]:
     """Raises ValueError if the command fails or its output is not as the table says."""
-    kept = Path(where["OUT"]) / "outputs" / f"{run.name}.json"
+    kept = kept_output(run, where)
     kept.parent.mkdir(parents=True, exist_ok=True)
     if reread:
         printed = json.loads(kept.read_text(encoding="utf-8"))
@@ -158,7 +162,7 @@ def measure(run: Run, root: Path, where: dict[str, str], reread: bool) -> dict[s
 
 def can_reread(run: Run, root: Path, where: dict[str, str]) -> bool:
     """Whether an output is kept of the sources at hand."""
-    kept = Path(where["OUT"]) / "outputs" / f"{run.name}.json"
+    kept = kept_output(run, where)
     return kept.exists() and json.loads(kept.read_text(encoding="utf-8"))["origin"]["digest"] == digest_of(root, run)
 
 

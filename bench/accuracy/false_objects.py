@@ -112,9 +112,9 @@ def digest_of(*files: Path | None) -> str:
     return digest.hexdigest()
 
 
-def count(program: Program, video: Path, library: Path, db: Path, params: Path | None) -> tuple[Tally, float]:
-    """What `index` finds in the video, and how long it takes, s."""
-    kept, origin = db.with_suffix(".counts.json"), digest_of(Path(program.path), library, params)
+def count(program: Program, video: Path, library: Path, db: Path, params: Path | None, origin: str) -> tuple[Tally, float]:
+    """What `index` finds in the video, and how long it takes, s. Origin: the digest of what it depends on."""
+    kept = db.with_suffix(".counts.json")
     if kept.exists() and (before := json.loads(kept.read_text()))["origin"] == origin:
         return Tally(**before["tally"]), before["took_s"]
     tally, took = count_anew(program, video, library, db, params)
@@ -163,6 +163,7 @@ def main():
             program("model", "add", file.stem, file, "--models", library)
     print(f"{len(list(library.glob('*.vmodel')))} models", file=sys.stderr)
 
+    origin = digest_of(Path(program.path), library, arguments.params)
     shown = sys.stderr if arguments.json else sys.stdout
     counts: dict[str, dict] = {}
     of_kind = {"empty town": Tally(), "video": Tally(), "together": Tally()}
@@ -171,7 +172,7 @@ def main():
     for kind, videos in (("empty town", towns), ("video", arguments.videos)):
         for video in videos:
             name = video.parent.name if kind == "empty town" else video.stem
-            tally, took = count(program, video, library, work / f"{name}.db", arguments.params)
+            tally, took = count(program, video, library, work / f"{name}.db", arguments.params, origin)
             counts[name] = dict(vars(tally))
             of_kind[kind].add(tally)
             of_kind["together"].add(tally)
