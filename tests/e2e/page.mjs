@@ -1192,11 +1192,18 @@ async function jobs(page, [photos, video]) {
   await page.getByRole("button", { name: "Follow it in this video" }).click();
   await page.fill("#track-type", "truck");
   await page.getByRole("button", { name: "Follow it", exact: true }).click();
-  await page.waitForSelector(".timeline .moment.followed");
-  await becomes(() => page.locator(".timeline .moment.followed").first().getAttribute("title"), /^truck: .* frames$/);
-  const [track] = await Promise.all([page.waitForEvent("download"), page.getByRole("link", { name: "Save the track" }).click()]);
-  assert.ok(readFileSync(await track.path(), "utf8").split("\n").some((line) => line.includes(`"frame":${best.frame},`)));
-  await page.getByRole("button", { name: "Close" }).click();
+  // It is an object as any other: listed, shown, reviewed, exported.
+  const follow = page.locator("li.job", { hasText: "truck in" });
+  await becomes(() => follow.locator(".job-state").innerText(), /^Followed [\d.]+ – [\d.]+ s/);
+  await follow.getByRole("button", { name: "Show" }).click();
+  await page.waitForSelector(".inspector h2:has-text('boxed/truck')");
+  const followed = await api(page, `/objects/${await selectedId(page)}`);
+  assert.deepEqual([followed.model, followed.evidence], ["boxed/truck", null]);
+  await page.waitForSelector("[role=option][aria-selected=true]:has-text('boxed/truck')");
+  await becomes(() => page.locator(".timeline .lane.selected .moment").first().getAttribute("title"), /boxed\/truck/);
+  await page.keyboard.press("a");
+  await until(page, `/objects/${followed.id}`, ({ review }) => review?.verdict === "accepted");
+  await open(page, `/?object=${key}&video=${best.video_id}&t=${best.time_s}`);
   await boxInFrame(page, best);
   await becomes(() => page.inputValue("#model-name"), "");
   await recordLabels(page);

@@ -6,6 +6,7 @@ import functools
 import http.client
 import json
 import os
+import re
 import shutil
 import signal
 import socket
@@ -691,9 +692,14 @@ class ServeTest(ServerCase):
             self.assertEqual(sources, ["telemetry", None])
             for one, has_place in zip(videos, (True, False)):
                 job = self.wait_for_job(server, self.post_job(server, **box, video_id=one["id"]), "done")
-                lines = self.ask(server, f"/api/v1/jobs/{job['id']}/files/track")[2].decode().splitlines()
-                places = [json.loads(line).get("latitude_deg") for line in lines]
-                self.assertEqual(any(places), has_place, one["name"])
+                (number,) = re.findall(r"is object (\d+) of", job["message"])
+                boxed = self.get(server, f"/api/v1/objects/{number}")
+                self.assertEqual(boxed["model"], "boxed/truck")
+                self.assertEqual([one["id"]], [moment["video_id"] for moment in boxed["moments"]])
+                self.assertEqual(boxed["place"] is not None, has_place, one["name"])
+            kinds = {one["name"]: one["kind"] for one in self.get(server, "/api/v1/project")["models"]}
+            self.assertEqual(kinds["boxed/truck"], "boxed")
+            self.assertTrue(all(one["is_searched"] for one in self.get(server, "/api/v1/videos")["videos"]))
 
     def test_live_jobs_say_how_far_they_are_behind(self):
         with streams.Rtsp(program.flight(100) / "flight.ts", seconds=10) as source:

@@ -114,7 +114,7 @@ class ServedFilesTest(test_serve.ServerCase):
             ("copy", {"video": video, "copy": str(victim)}),
             ("copy", {"video": str(self.other / "flight.mp4"), "copy": f"{copies}/c.mp4"}),
             ("clip", {"video": video, "object": 1, "clip": str(victim)}),
-            ("track", {"video": video, "at_s": 0, "box": [1, 2, 30, 40], "track": str(victim)}),
+            ("track", {"video": str(self.other / "flight.mp4"), "at_s": 0, "box": [1, 2, 30, 40]}),
             ("refine", {"categories": video, "refine": str(victim)}),
             ("index", {"video": str(self.other / "flight.mp4")}),
             ("index", {"video": video, "telemetry": str(self.key)}),

@@ -1,6 +1,8 @@
 """`track`: user boxes tracked forwards, backwards and in other videos; and rejected input."""
 
 import json
+import re
+import shutil
 import unittest
 
 import program
@@ -111,6 +113,33 @@ class TrackTest(program.ProgramTest):
         table = self.write("late.csv", f"{header}\n1000,48,11,100,0,-60,0,20\n1001,48,11,100,0,-60,0,20\n")
         reported = self.succeeds("track", *drawn, "--telemetry", table).err
         self.assertIn("telemetry: nothing will get a place: it covers 1000.00 to 1001.00 s", reported)
+
+    def test_a_box_becomes_an_object_of_the_index(self):
+        db = self.scratch / "index.db"
+        shutil.copy(program.index(), db)
+        known = self.succeeds("export", "--db", db, "--format", "objects").rows()
+        drawn = (self.video, *self.drawn("truck", self.whole_frames("truck")[0]), "--type", "vehicle/truck")
+        done = self.succeeds("track", *drawn, "--db", db, "--out", self.scratch / "out.jsonl")
+        rows = [json.loads(line) for line in (self.scratch / "out.jsonl").read_text().splitlines()]
+        (number,) = re.findall(r"box-1: is object (\d+) of .*index.db, boxed/vehicle/truck", done.err)
+        listed = self.succeeds("export", "--db", db, "--format", "objects").rows()
+        (boxed,) = (one for one in listed if one["object_id"] == int(number))
+        self.assertEqual((boxed["model"], boxed["category"]), (None, "boxed/vehicle/truck"))
+        others = [one | {"rank": 0} for one in listed if one is not boxed]
+        self.assertEqual(others, [one | {"rank": 0} for one in known], "the others stay as they are")
+        sightings = self.succeeds("export", "--db", db, "--category", "boxed", "--format", "sightings").rows()
+        for one, row in zip(sightings, rows, strict=True):
+            self.assertEqual([one[key] for key in ("frame", "box", "score", "source")], [row[key] for key in ("frame", "box", "score", "source")])
+        # Once more, it adds nothing; nor does a search of the video miss anything because of it.
+        self.assertIn(f"is object {number} of", self.succeeds("track", *drawn, "--db", db).err)
+        self.assertEqual(self.succeeds("export", "--db", db, "--format", "objects").rows(), listed)
+        self.assertIn("already indexed", self.succeeds("index", self.video, "--models", program.models(), "--db", db).err)
+        self.assertEqual(self.succeeds("doctor", db, "--check").status, 0)
+        # A video that the index does not have, and no place for the tracks.
+        other = ("track", program.flight() / "flight.mp4", *drawn[1:])
+        self.refuses(2, "flight.mp4: is not in the index", *other, "--db", db)
+        self.refuses(2, "no such index", *other, "--db", self.scratch / "none.db")
+        self.refuses(2, "give --out FILE, or --db INDEX", *other)
 
     def test_unwritable_output_is_reported_first(self):
         drawn = self.drawn("crate", self.whole_frames("crate")[0])

@@ -3,21 +3,17 @@ import { computed, effect, signal, untracked } from "@preact/signals";
 
 import { listObjectSightings } from "./api/client";
 import type { FoundObject, Sighting } from "./api/types";
-import { followed } from "./followed";
 import { type TrackPoint, groundTrack, momentsKey } from "./logic/ground_track";
 import { notifyError } from "./notices";
 import { objectOf, videoObjects } from "./objects";
 import { cameraPath, colourOf, selected, video, videoId } from "./state";
 
-/** White would be lost on a light map. */
-const FOLLOWED_LINE = "#7f8c99";
 /** Objects whose tracks are drawn at once, the best ones. */
 const MAX_TRACKS = 20;
 
 export interface Track {
   key: string;
-  /** Null: it belongs to no object. */
-  object: number | null;
+  object: number;
   name: string;
   colour: string;
   pieces: TrackPoint[][];
@@ -74,15 +70,10 @@ export const tracks = computed((): readonly Track[] => {
   const [path, shown] = [cameraPath.value, video.value];
   if (!path || !shown) return [];
   const frame = { width: shown.width_px, height: shown.height_px };
-  const boxed = followed.value.map((one) => {
-    const pieces = groundTrack(one.rows, path, frame);
-    return { key: `job-${one.job}`, object: null, name: one.name, colour: FOLLOWED_LINE, pieces };
-  });
-  const objects = wanted.value.flatMap((object) => {
+  return wanted.value.flatMap((object) => {
     const found = sightings.value.get(object.id);
     if (!found) return [];
     const pieces = groundTrack(found, path, frame);
     return [{ key: `object-${object.id}`, object: object.id, name: object.model, colour: colourOf(object.model), pieces }];
   });
-  return [...objects, ...boxed];
 });

@@ -166,10 +166,12 @@ SearchCoverage CoverageOf(const VideoRecord& video, const SearchRecord* search, 
 VideoCoverage CoverageOf(const VideoRecord& video, std::span<const ModelRecord> models,
                          std::span<const SearchRecord> searches, std::span<const SearchPart> parts) {
   VideoCoverage coverage;
+  const auto sought = std::ranges::count(models, false, &ModelRecord::IsBoxed);
   std::vector<LeftOutTime> left_out;
   std::vector<TimeInterval> of_any;
   bool is_first = true;
   for (const ModelRecord& model : models) {
+    if (model.IsBoxed()) continue;
     const auto search = std::ranges::find(searches, model.id, &SearchRecord::model);
     const auto own = std::ranges::equal_range(parts, model.id, {}, &SearchPart::model);
     SearchCoverage of_one =
@@ -183,10 +185,10 @@ VideoCoverage CoverageOf(const VideoRecord& video, std::span<const ModelRecord> 
     coverage.searched =
         std::exchange(is_first, false) ? of_one.searched : Intersection(coverage.searched, of_one.searched);
   }
-  if (models.empty()) left_out = CoverageOf(video, nullptr, {}).left_out;
+  if (sought == 0) left_out = CoverageOf(video, nullptr, {}).left_out;
   coverage.left_out = Join(std::move(left_out));
   for (LeftOutTime& one : coverage.left_out) {
-    if (one.models.size() == models.size()) one.models.clear();
+    if (std::ssize(one.models) == sought) one.models.clear();
   }
   coverage.searched_s = LengthOf(std::move(of_any));
   return coverage;

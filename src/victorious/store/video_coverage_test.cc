@@ -115,5 +115,16 @@ TEST_F(VideoCoverageTest, ModelsThatAgreeAreOne) {
   EXPECT_FALSE(CoverageOf(video_, {}, {}, {}).IsWhole());
 }
 
+TEST_F(VideoCoverageTest, NothingIsSearchedForWhatWasBoxed) {
+  std::vector<ModelRecord> models = Models(2);
+  models[1].kind = ModelKind::kCategory;
+  models[1].content_id = kBoxedContentId;
+  const std::vector<SearchRecord> searches = {Search(true)};
+  EXPECT_TRUE(CoverageOf(video_, models, searches, std::vector{Part(0, 101)}).IsWhole());
+  EXPECT_THAT(CoverageOf(video_, models, {}, {}).left_out,
+              ElementsAre(LeftOutTime{0, 10, LeftOutReason::kNotBegun, {}}));
+  EXPECT_FALSE(CoverageOf(video_, std::vector{models[1]}, {}, {}).IsWhole());
+}
+
 }  // namespace
 }  // namespace victorious

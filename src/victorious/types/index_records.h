@@ -37,7 +37,11 @@ struct VideoRecord {
   std::string features_json;                 ///< the feature options of the kept features; empty: none are kept yet
 };
 
-/// A model or a category that was searched for.
+/// The content id of categories that nothing searches for: their objects were boxed by a person and followed
+/// (jobs/track/keep_boxes.h).
+inline constexpr std::string_view kBoxedContentId = "boxed";
+
+/// A model or a category that was searched for, or a category of what people boxed.
 struct ModelRecord {
   std::int64_t id = 0;
   std::string name;
@@ -45,6 +49,7 @@ struct ModelRecord {
   ModelKind kind = ModelKind::kPhotos;
 
   [[nodiscard]] bool IsCategory() const { return kind == ModelKind::kCategory; }
+  [[nodiscard]] bool IsBoxed() const { return IsCategory() && content_id == kBoxedContentId; }
 };
 
 /// The progress of the search for one model in one video.

@@ -2,7 +2,6 @@
 import type { components } from "./schema";
 import type { ApiErrorBody, CameraPath, Cluster, Counts, Coverage, Evidence, Job, ModelViews, NewJob, ObjectDetail, Project, Review, ReviewedObject, Session, ThresholdList, Verdict } from "./types";
 import { withoutField } from "../logic/errors";
-import { readTrack } from "../logic/followed";
 import { KeepaliveBudget } from "../logic/keepalive";
 import { type SightingPages, inHalves } from "../logic/halves";
 
@@ -88,7 +87,6 @@ async function ask<T>(path: string, init: RequestInit | undefined, read: (respon
 }
 
 const request = <T>(path: string, init?: RequestInit) => ask(path, init, (response) => response.json() as Promise<T>);
-const requestText = (path: string) => ask(path, undefined, (response) => response.text());
 
 const send = <T>(path: string, method: "POST" | "PUT", body: unknown, more: RequestInit = {}) =>
   request<T>(path, { method, headers: { "Content-Type": "application/json" }, body: JSON.stringify(body), ...more });
@@ -179,7 +177,6 @@ export const listJobs = async () => (await request<components["schemas"]["JobLis
 
 export const postJob = (job: NewJob) => send<Job>("/jobs", "POST", job);
 export const jobFileUrl = (job: number, name: string) => `${ROOT}/jobs/${job}/files/${name}`;
-export const getTrack = async (job: number) => readTrack(await requestText(`/jobs/${job}/files/track`));
 export const cancelJob = (job: number) => send<Job>(`/jobs/${job}/cancel`, "POST", {});
 export const retryJob = (job: number) => send<Job>(`/jobs/${job}/retry`, "POST", {});
 export const removeJob = (job: number) => request<unknown>(`/jobs/${job}`, { method: "DELETE" });

@@ -1,7 +1,17 @@
 import { describe, expect, it } from "vitest";
 
 import { forReaders } from "./errors";
-import { describeDone, describeFailed, needsNewSearch } from "./job_words";
+import { describeDone, describeFailed, followedObject, needsNewSearch } from "./job_words";
+
+const placeWithin = (ce90_m: number) => ({
+  time_s: 0,
+  latitude_deg: 52,
+  longitude_deg: 13,
+  altitude_m: 0,
+  ce90_m,
+  le90_m: null,
+  ellipse: { semi_major_m: null, semi_minor_m: null, azimuth_deg: null },
+});
 
 describe("what a job has come to", () => {
   const index = (message: string) => ({ kind: "index" as const, message });
@@ -17,12 +27,17 @@ describe("what a job has come to", () => {
   });
 
   it("says how long and how exactly a box was followed", () => {
-    const track = (message: string) => ({ kind: "track" as const, message });
-    const span = { first: 3.8, last: 5.9 };
-    expect(describeDone(track("box-1: place at 5.90 s: 52.500000, 13.400000, 76.3 m; CE90 15.1 m, LE90 5.0 m"), null, span)).toBe(
-      "Followed 3.8 – 5.9 s; 90 % within 15.1 m",
-    );
-    expect(describeDone(track("box-1: no place: no telemetry"), null, null)).toBe("Followed; no place: no telemetry");
+    const track = { kind: "track" as const, state: "done" as const, message: "box-1: is object 12 of /data/a.db, boxed/van" };
+    const object = { first_time_s: 3.8, last_time_s: 5.9, place: placeWithin(15.1), speed_m_s: null };
+    expect(followedObject(track)).toBe(12);
+    expect(followedObject({ ...track, state: "running" })).toBeNull();
+    expect(followedObject({ ...track, kind: "index" })).toBeNull();
+    expect(describeDone(track, null, object)).toBe("Followed 3.8 – 5.9 s; 90 % within 15.1 m");
+    expect(describeDone(track, null, { ...object, speed_m_s: 5.26 })).toBe("Followed 3.8 – 5.9 s; 90 % within 15.1 m, 5.3 m/s");
+    expect(describeDone(track, null, { ...object, place: null })).toBe("Followed 3.8 – 5.9 s; it has no place");
+    const why = { ...track, message: `${track.message}; no place: no telemetry` };
+    expect(describeDone(why, null, { ...object, place: null })).toBe("Followed 3.8 – 5.9 s; no place: no telemetry");
+    expect(describeDone(track, null, null)).toBe("Followed");
   });
 
   it("offers a search from the beginning instead of a command", () => {

@@ -1,11 +1,20 @@
 // What a job has come to, in the words of the page; the server's own message is that of the command that it ran.
-import type { Job } from "../api/types";
+import type { FoundObject, Job } from "../api/types";
 import { formatMetres, formatSpan, plural } from "./format";
 
 const SEARCHED = /\d[\d,]* frames? searched, \d[\d,]* sightings?/;
 
-/** @param objects  that the video has now; null: not known. @param span  when what was followed was in sight, s; null: not known */
-export function describeDone(job: Pick<Job, "kind" | "message">, objects: number | null, span: { first: number; last: number } | null): string {
+/** An object that was boxed and followed. */
+export type FollowedObject = Pick<FoundObject, "first_time_s" | "last_time_s" | "place" | "speed_m_s">;
+
+/** The object that a job has made of what was boxed; null: none. */
+export function followedObject(job: Pick<Job, "kind" | "state" | "message">): number | null {
+  const object = /: is object (\d+) of /.exec(job.message)?.[1];
+  return job.kind === "track" && job.state === "done" && object !== undefined ? Number(object) : null;
+}
+
+/** @param objects  that the video has now; null: not known. @param followed  what was boxed and followed; null: not known */
+export function describeDone(job: Pick<Job, "kind" | "message">, objects: number | null, followed: FollowedObject | null): string {
   const { kind, message } = job;
   if ((kind === "index" || kind === "live") && SEARCHED.test(message)) {
     if (message.includes("(already indexed)")) return "Already searched, nothing new";
@@ -13,12 +22,13 @@ export function describeDone(job: Pick<Job, "kind" | "message">, objects: number
     return message.includes("there is no telemetry") ? `${found}; without telemetry, none has a place` : found;
   }
   if (kind === "track") {
-    const followed = span === null ? "Followed" : `Followed ${formatSpan(span.first, span.last)}`;
-    const within = /CE90 ([\d.]+) m/.exec(message)?.[1];
-    const speed = /moving at ([\d.]+) m\/s/.exec(message)?.[1];
-    const why = /: no place: (.*)$/.exec(message)?.[1];
-    const place = within !== undefined ? `; 90 % within ${formatMetres(Number(within))}` : why !== undefined ? `; no place: ${why}` : "";
-    return followed + place + (speed === undefined ? "" : `, ${speed} m/s`);
+    if (followed === null) return "Followed";
+    const { first_time_s, last_time_s, place: at, speed_m_s } = followed;
+    const within = at?.ce90_m ?? null;
+    const why = /; no place: (.*)$/.exec(message)?.[1];
+    const place = at === null ? `; ${why === undefined ? "it has no place" : `no place: ${why}`}` : within === null ? "" : `; 90 % within ${formatMetres(within)}`;
+    const speed = speed_m_s === null || speed_m_s === 0 ? "" : `, ${speed_m_s.toFixed(1)} m/s`;
+    return `Followed ${formatSpan(first_time_s, last_time_s)}${place}${speed}`;
   }
   return message;
 }

@@ -16,8 +16,6 @@ export function fit(width: number, height: number, areaWidth: number, areaHeight
 export interface DrawnSighting {
   sighting: Pick<Sighting, "box" | "outline" | "source">;
   label: string;
-  /** The label stands in the box, free of that of a sighting, which stands above or below. */
-  isLabelInside?: boolean;
   colour: string;
   isSelected: boolean;
   isGreyed: boolean;
@@ -117,7 +115,7 @@ function drawLabel(context: CanvasRenderingContext2D, one: DrawnSighting, at: Fi
   const left = Math.min(Math.max(at.x + x * at.scale, 2), areaWidth - width - 2);
   const above = at.y + y * at.scale - 22;
   const bottom = at.y + (y + height) * at.scale;
-  const top = one.isLabelInside === true ? bottom - 22 : above > 2 ? above : bottom + 4;
+  const top = above > 2 ? above : bottom + 4;
   context.fillStyle = one.isSelected ? colour : "rgb(0 0 0 / 70%)";
   context.beginPath();
   context.roundRect(left, top, width, 18, 3);

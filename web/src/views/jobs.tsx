@@ -3,14 +3,15 @@ import { useEffect, useRef, useState } from "preact/hooks";
 
 import { jobFileUrl } from "../api/client";
 import type { Job } from "../api/types";
-import { followed } from "../followed";
 import { forReaders, messageOf } from "../logic/errors";
 import { plural } from "../logic/format";
-import { describeDone, describeFailed, needsNewSearch } from "../logic/job_words";
+import { describeDone, describeFailed, followedObject, needsNewSearch } from "../logic/job_words";
 import { boxesToSend } from "../logic/photo_box";
 import { cleanModelName, formatBehind, formatLeft, kindOf, modelNameOf } from "../logic/uploads";
 import { NO_FILTERS } from "../logic/filters";
 import * as jobs from "../jobs";
+import { needObjects, objectOf } from "../objects";
+import { notifyError } from "../notices";
 import { frameCanvas } from "../player";
 import * as selection from "../selection";
 import * as state from "../state";
@@ -20,7 +21,7 @@ import { Library } from "./library";
 import { type BoxedPhoto, PhotoBoxes, isMarked, readPhotos } from "./photo_box";
 
 const WHAT = { index: "search", live: "live source", track: "follow", model: "make the model", copy: "copy for browsers", clip: "clip", refine: "refine the categories", sample: "simulate", remove: "remove" } as const;
-const FILES = { track: "Save the track", clip: "Save the clip", telemetry: "Save its telemetry", categories: "Save the refined model" } as const;
+const FILES = { clip: "Save the clip", telemetry: "Save its telemetry", categories: "Save the refined model" } as const;
 
 function Bar({ of, part }: { of: string; part: number | null }) {
   return (
@@ -40,9 +41,9 @@ function Bar({ of, part }: { of: string; part: number | null }) {
 function describe(job: Job): string {
   if (job.state === "queued") return "waits";
   if (job.state === "done") {
-    const seen = followed.value.find((one) => one.job === job.id)?.moments ?? [];
-    const [first, last] = [seen[0], seen.at(-1)];
-    return forReaders(describeDone(job, jobs.videoOf(job)?.objects ?? null, first && last ? { first: first.first, last: last.last } : null)) || "done";
+    const id = followedObject(job);
+    const followed = (id === null ? undefined : objectOf(id)) ?? null;
+    return forReaders(describeDone(job, jobs.videoOf(job)?.objects ?? null, followed)) || "done";
   }
   if (job.state === "failed") return forReaders(describeFailed(job));
   if (job.state === "cancelled") return "cancelled";
@@ -94,6 +95,30 @@ function Found({ job }: { job: Job }) {
   );
 }
 
+/** The way on from a box that was followed: to the object that it has become. */
+function ShowFollowed({ job }: { job: Job }) {
+  const id = followedObject(job);
+  // The end of the job may be told before the server has read what the job wrote.
+  const version = state.indexVersion.value;
+  useEffect(() => {
+    if (id !== null) needObjects([id]).catch(notifyError);
+  }, [id, version]);
+  if (id === null || objectOf(id) === undefined) return null;
+  return (
+    <div class="job-files">
+      <button
+        class="button"
+        onClick={() => {
+          jobs.isOpen.value = false;
+          selection.select(id, { push: true });
+        }}
+      >
+        Show
+      </button>
+    </div>
+  );
+}
+
 function Row({ job }: { job: Job }) {
   const isActive = job.state === "queued" || job.state === "running";
   const behind = formatBehind(job);
@@ -137,6 +162,7 @@ function Row({ job }: { job: Job }) {
         </div>
       )}
       <Found job={job} />
+      <ShowFollowed job={job} />
       {job.kind === "model" && job.state === "done" && (
         <div class="job-files">
           {state.videos.value.length > 0 && (
@@ -360,7 +386,9 @@ export function ModelDialog() {
         )}
         {boxed && isFollowed ? (
           <div key="follow" class="fields">
-            <p class="muted">It is followed from frame {boxed.frame.toLocaleString("en")} on, and back, as long as it can be seen.</p>
+            <p class="muted">
+              It is followed from frame {boxed.frame.toLocaleString("en")} on, and back, as long as it can be seen. Then it is an object of the list, of the category boxed.
+            </p>
             <label for="track-type">What it is, if you know</label>
             <input
               id="track-type"

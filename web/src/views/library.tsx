@@ -26,7 +26,7 @@ export function Library() {
       <ul aria-label="Models of the index">
         {models.value.map((one) => (
           <li key={one.id} class="library-row">
-            {hasViews && one.kind !== "category" ? <img src={viewUrl(one.id, 0)} alt="" width={40} height={40} loading="lazy" /> : <Swatch model={one.name} />}
+            {hasViews && one.kind !== "category" && one.kind !== "boxed" ? <img src={viewUrl(one.id, 0)} alt="" width={40} height={40} loading="lazy" /> : <Swatch model={one.name} />}
             <strong title={one.name}>{one.name}</strong>
             <span class="muted">{plural(one.objects, "object")}</span>
             <Remove name={one.name} ask={() => library.askToRemoveModel(one)} />

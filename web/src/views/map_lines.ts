@@ -26,7 +26,7 @@ export function trackFeatures(): Feature[] {
       .map((piece) =>
         feature(
           { type: "LineString", coordinates: piece.map((one) => one.position) },
-          { key: track.key, colour: track.colour, chosen: track.object !== null && track.object === state.selectedId.value },
+          { key: track.key, colour: track.colour, chosen: track.object === state.selectedId.value },
         ),
       ),
   );

@@ -2,10 +2,9 @@
 import { effect } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 
-import { followed } from "../followed";
 import { forReaders } from "../logic/errors";
 import { baseName, formatScore } from "../logic/format";
-import { type DrawnSighting, type Fit, boxBetween, boxCentres, drawSightings, drawTrail, hit } from "../logic/overlay";
+import { type DrawnSighting, type Fit, boxBetween, drawSightings, drawTrail, hit } from "../logic/overlay";
 import * as jobs from "../jobs";
 import { objectOf } from "../objects";
 import { frameCanvas, pictureVersion, player, unplayable } from "../player";
@@ -40,7 +39,7 @@ interface Layers {
   frame: number;
 }
 
-/** What is drawn over a frame: sightings, the selection's track, what was followed. */
+/** What is drawn over a frame: sightings, and the selection's track. */
 function layersOf(frame: number): Layers {
   const selected = state.selectedId.value;
   const matches = state.matcher.value;
@@ -69,8 +68,7 @@ function drawFrame(context: CanvasRenderingContext2D, at: Fit, layers: Layers | 
   context.filter = "none";
   if (layers === null) return;
   drawTrail(context, layers.trail, layers.colour, at);
-  const followed = followedIn(context, layers.frame, at);
-  drawSightings(context, [...layers.drawn, ...followed], { width: across, height: down }, at, width);
+  drawSightings(context, layers.drawn, { width: across, height: down }, at, width);
 }
 
 /** What lies under the pointer, enlarged. */
@@ -112,18 +110,6 @@ function draw(canvas: HTMLCanvasElement) {
   drawLens(context, layers, width);
   canvas.dataset["frame"] = String(frame);
   canvas.dataset["place"] = [at.x, at.y, at.scale].map((one) => one.toFixed(4)).join(" ");
-}
-
-/** What a user boxed and had followed; draws its trails. */
-function followedIn(context: CanvasRenderingContext2D, frame: number, at: Fit): DrawnSighting[] {
-  return followed.value.flatMap((one) => {
-    const row = one.byFrame.get(frame);
-    if (!row) return [];
-    const trail = boxCentres(frame, TRAIL_FRAMES, (before) => one.byFrame.get(before)?.box);
-    drawTrail(context, trail, state.FOLLOWED_COLOUR, at);
-    const sighting = { box: [...row.box], outline: [], source: "recognised" as const };
-    return { sighting, label: one.name, isLabelInside: true, colour: state.FOLLOWED_COLOUR, isSelected: false, isGreyed: false, isRejected: false };
-  });
 }
 
 /** What lies under a point of the area that shows the frame; under the lens, what it shows there. */
@@ -223,7 +209,6 @@ export function Stage() {
       // Draws at once: in the callback of the frame, and with the overlay of that frame.
       void pictureVersion.value;
       void sightingsVersion.value;
-      void followed.value;
       draw(shown);
     });
     const measure = () => {

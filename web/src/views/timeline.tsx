@@ -2,7 +2,6 @@
 import { computed } from "@preact/signals";
 import { useRef } from "preact/hooks";
 
-import { followed, hide } from "../followed";
 import { bandsOf, describeCoverage, endOf, listLeftOut } from "../logic/coverage";
 import { formatTime, plural } from "../logic/format";
 import { objectOf, videoObjects } from "../objects";
@@ -100,7 +99,7 @@ export function Timeline() {
   };
   return (
     <div class="timeline" aria-label="Time line" role="group">
-      <div class="over" style={{ height: `${24 + (leftOut.value === null ? 0 : 18) + 22 * (lanes.value.length + followed.value.length)}px` }}>
+      <div class="over" style={{ height: `${24 + (leftOut.value === null ? 0 : 18) + 22 * lanes.value.length}px` }}>
         <div class="playhead" style={{ left: percent(time) }} />
       </div>
       <div class="ruler">
@@ -124,26 +123,6 @@ export function Timeline() {
         </div>
       </div>
       <LeftOut />
-      {followed.value.map((one) => (
-        <div key={`job-${one.job}`} class="lane">
-          <button title={`${one.name}: boxed and followed. Click: leave it out`} onClick={() => hide(one.job)}>
-            <span class="swatch followed" style={{ display: "inline-block" }} /> {one.name}
-          </button>
-          <div class="track">
-            {one.moments.map(({ first, last, frames }) => (
-              <button
-                key={first}
-                class="moment followed"
-                tabIndex={-1}
-                style={{ left: percent(first), width: percent(last - first) }}
-                title={`${one.name}: ${formatTime(first)} to ${formatTime(last)}, ${plural(frames, "frame")}`}
-                aria-label={`${one.name} at ${formatTime(first)}`}
-                onClick={() => video !== null && selection.showTime(video, first)}
-              />
-            ))}
-          </div>
-        </div>
-      ))}
       {lanes.value.map((object) => (
         <div
           key={object.id}

@@ -1,4 +1,5 @@
-// victorious track VIDEO --box X,Y,W,H --at SECONDS: tracks the objects in user boxes through videos
+// victorious track VIDEO --box X,Y,W,H --at SECONDS: tracks the objects in user boxes through videos, and enters them
+// into an index
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -20,10 +21,12 @@
 #include "victorious/base/log.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/input/video/video_reader.h"
+#include "victorious/jobs/track/keep_boxes.h"
 #include "victorious/jobs/track/track_job.h"
 #include "victorious/place/observe/object_type.h"
 #include "victorious/show/drawn_video.h"
 #include "victorious/show/export/export_lines.h"
+#include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
@@ -40,6 +43,7 @@ struct TrackArguments {
   GroundArguments ground;
   std::string params;
   std::string out;
+  std::string db;
   std::string draw;
   bool json = false;
 };
@@ -142,7 +146,33 @@ Status CheckDifferent(const std::vector<std::string>& videos) {
   return {};
 }
 
+// The index that the boxes are entered into, with the videos in it.
+struct OpenedIndex {
+  std::unique_ptr<IndexStore> store;
+  std::vector<VideoRecord> videos;
+};
+
+Expected<OpenedIndex> OpenIndex(const std::string& db, const std::vector<std::string>& videos) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const bool has_index, HasIndex(db));
+  if (!has_index) return Fail(ErrorCode::kNotFound, fmt::format("{}: no such index", StoreName(db)));
+  OpenedIndex index;
+  VICTORIOUS_ASSIGN_OR_RETURN(index.store, OpenStore(db, StoreMode::kCreate));
+  VICTORIOUS_ASSIGN_OR_RETURN(index.videos, FindTrackedVideos(videos, *index.store, Interrupt()));
+  return index;
+}
+
+// Logs the object that a box has become, and why it has no place.
+void LogObject(const std::string& db, const TrackedBoxes& tracked, std::size_t box_index, const UserBox& box,
+               std::int64_t object) {
+  const std::string& failure = tracked.place_failures[box_index];
+  LogInfo("{}: is object {} of {}, {}{}", BoxName(box_index), object, StoreName(db), OneLine(CategoryOfBox(box)),
+          failure.empty() ? "" : "; no place: " + failure);
+}
+
 Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
+  if (arguments.out.empty() && arguments.db.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "nowhere to put the tracks: give --out FILE, or --db INDEX, or both");
+  }
   TrackBoxesOptions options;
   VICTORIOUS_RETURN_IF_ERROR(ReadParams(arguments.params, options));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
@@ -155,7 +185,7 @@ Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
   if (!options.ground.terrain.empty()) read.push_back(options.ground.terrain);
   VICTORIOUS_RETURN_IF_ERROR(CheckOutputs(
       parser, {{"--out", arguments.out, &kSightingsFormat}, {"--draw", arguments.draw, FileKind::kVideo}}, read));
-  VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
+  if (!arguments.out.empty()) VICTORIOUS_RETURN_IF_ERROR(CheckOutput(arguments.out));
   VICTORIOUS_RETURN_IF_ERROR(CheckDrawnVideo(arguments.draw));
   if (arguments.boxes.size() != arguments.at_s.size()) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("{} --box and {} --at: give one --at for each --box",
@@ -168,12 +198,22 @@ Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
   }
   VICTORIOUS_RETURN_IF_ERROR(SetTypes(arguments.types, boxes));
   VICTORIOUS_RETURN_IF_ERROR(CheckDifferent(videos));
+  OpenedIndex index;
+  if (!arguments.db.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(index, OpenIndex(arguments.db, videos));
+  }
   std::vector<std::string> warnings;  // collected, so that an error stays the only line
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   VICTORIOUS_ASSIGN_OR_RETURN(const TrackedBoxes tracked,
                               TrackBoxes(videos, boxes, telemetry, options, Interrupt(), warn));
   for (const std::string& warning : warnings) LogWarning(OneLine(warning));
-  VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
+  if (!arguments.out.empty()) {
+    VICTORIOUS_RETURN_IF_ERROR(WriteOutput(arguments.out, ToJsonLines(tracked.sightings, videos, boxes)));
+  }
+  std::vector<std::int64_t> objects;
+  if (index.store) {
+    VICTORIOUS_ASSIGN_OR_RETURN(objects, KeepBoxes(tracked.sightings, boxes, index.videos, *index.store));
+  }
   if (!arguments.draw.empty()) {
     VICTORIOUS_RETURN_IF_ERROR(DrawVideo(arguments.video, ListBoxDrawing(tracked.sightings, boxes),
                                          {.folder_frame_rate = VideoReaderOptions().folder_frame_rate}, arguments.draw,
@@ -184,6 +224,7 @@ Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
   for (std::size_t box_index = 0; box_index < boxes.size(); ++box_index) {
     LogSightingTimes(tracked.sightings, videos, box_index);
     LogPlace(tracked, box_index);
+    if (!objects.empty()) LogObject(arguments.db, tracked, box_index, boxes[box_index], objects[box_index]);
   }
   return {};
 }
@@ -218,7 +259,12 @@ Action SetUpTrack(ArgumentParser& parser) {
   AddGround(parser, arguments->ground);
   parser.Add("--also", arguments->also, "Further videos to search for the objects").TypeName("FILE");
   parser.Add("--params", arguments->params, "Parameters (`victorious params track`)").TypeName("FILE");
-  parser.Add("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)").Required().TypeName("FILE");
+  parser.Add("--out", arguments->out, "Sightings, JSON Lines (docs/formats/export.md)").TypeName("FILE");
+  parser
+      .Add("--db", arguments->db,
+           "Index of the videos, into which the objects are entered as category boxed/TYPE (boxed/object): then they "
+           "are listed, reviewed and exported as what a search finds. Give this, --out, or both")
+      .TypeName("INDEX");
   parser
       .Add("--draw", arguments->draw,
            "Write a copy of VIDEO with the boxes, names and places drawn into it (.mp4, .mkv)")

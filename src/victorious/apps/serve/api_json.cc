@@ -306,7 +306,7 @@ Json ProjectToJson(const std::string& name, const IndexLists& lists, const Objec
     const auto objects = lists.objects_of_model.find(model.id);
     models.push_back({{"id", model.id},
                       {"name", model.name},
-                      {"kind", ToText(model.kind)},
+                      {"kind", model.IsBoxed() ? "boxed" : ToText(model.kind)},
                       {"objects", objects == lists.objects_of_model.end() ? 0 : objects->second}});
   }
   Json bounds;

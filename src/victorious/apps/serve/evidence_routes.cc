@@ -53,6 +53,9 @@ EvidenceRoutes::EvidenceRoutes(IndexView& index, VideoFiles& videos, std::filesy
       models_(kMaxModels) {}
 
 ApiExpected<std::shared_ptr<const ObjectModel>> EvidenceRoutes::LoadModel(const ModelRecord& record) {
+  if (record.IsBoxed()) {
+    return NotFound("a person boxed it, and it was followed from there: it has neither views nor matches");
+  }
   if (record.IsCategory()) {
     return NotFound(fmt::format("{} is a category: it has neither views nor matches", record.name));
   }

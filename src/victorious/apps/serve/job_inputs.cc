@@ -283,12 +283,6 @@ ApiExpected<Json> JobInputs::TrackInput(const Body& body, const CancelToken& can
   }
   if (const auto telemetry = videos_.roots().Telemetry(*video)) input["telemetry"] = *telemetry;
   input["title"] = fmt::format("{} in {}", title, std::filesystem::path(video->name).filename().string());
-  Json content = input;
-  content["content"] = video->content_id;
-  const std::string text = DumpJson(content);
-  VICTORIOUS_RETURN_IF_ERROR(copies_.Create());
-  input["track"] =
-      copies_.PathOf(fmt::format("track-{:016x}.jsonl", Checksum(std::as_bytes(std::span(text))))).string();
   return input;
 }
 

@@ -256,7 +256,6 @@ ApiExpected<HttpResponse> JobRoutes::File(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const JobRecord job, FindJob(number));
   const auto has_file = [&]() {
     if (job.state != WorkState::kDone || !MadeFileOf(job)) return false;
-    if (job.kind == JobKind::kTrack) return name == "track";
     if (job.kind == JobKind::kRefine) return name == "categories";
     return job.kind == JobKind::kClip && (name == "telemetry" || name == "clip");
   };
@@ -273,14 +272,6 @@ ApiExpected<HttpResponse> JobRoutes::SendJobFile(const HttpRequest& request, con
     const auto bytes = std::filesystem::file_size(path, error);
     return FileResponse(request, path, error ? 0 : static_cast<std::int64_t>(bytes), type, FileEtag(path));
   };
-  if (job.kind == JobKind::kTrack) {
-    // Its own lines are read by the page: no download.
-    const auto use = needs_.copies.Take(made.filename().string());
-    HttpResponse response = send(made, "application/x-ndjson");
-    if (!use || error) return NotFound("the track was removed to make room for others: box the object again");
-    if (response.file) response.file->hold = use->hold;
-    return response;
-  }
   HttpResponse response;
   std::string saved = JobTitle(job);
   if (job.kind == JobKind::kRefine) {

@@ -166,12 +166,11 @@ Expected<std::vector<std::string>> CopyArguments(const nlohmann::json& input, co
 
 Expected<std::vector<std::string>> TrackArguments(const nlohmann::json& input, const JobFolders& folders) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string video, SourceMember(input, "video", folders));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string track, MadeMember(input, "track", folders));
   VICTORIOUS_ASSIGN_OR_RETURN(std::string box, BoxFlag(input.value("box", nlohmann::json())));
-  std::vector<std::string> arguments = {"track", std::move(box)};
+  std::vector<std::string> arguments = {"track", "--db", folders.index, std::move(box)};
   const auto at = input.find("at_s");
   if (at == input.end() || !at->is_number()) return Fail(ErrorCode::kInvalidArgument, "at_s: must be a number");
-  arguments.insert(arguments.end(), {fmt::format("--at={:.6f}", at->get<double>()), "--force", "--out=" + track});
+  arguments.push_back(fmt::format("--at={:.6f}", at->get<double>()));
   if (const auto type = input.find("type"); type != input.end() && !type->is_null()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string word, TextMember(input, "type"));
     arguments.push_back("--type=" + word);

@@ -38,8 +38,7 @@ struct JobFolders {
 /// is wrong; kPermissionDenied for a file that may not be read.
 ///   index  {"video": path, "telemetry": path or null}
 ///   live   {"video": URL, "telemetry": path or null}
-///   track  {"video": path, "at_s": number, "box": [x, y, w, h], "type": text or null, "telemetry": path or null,
-///          "track": path}
+///   track  {"video": path, "at_s": number, "box": [x, y, w, h], "type": text or null, "telemetry": path or null}
 ///   copy   {"video": path, "copy": path}
 ///   clip   {"video": name in the index, "object": id, "from_s", "to_s": numbers or null, "telemetry": path or null,
 ///          "clip": path}
@@ -51,7 +50,7 @@ struct JobFolders {
 /// Whether a job of this kind makes a file that is kept for all users who ask for the same. Its input names that file
 /// by the text of the kind.
 [[nodiscard]] constexpr bool MakesFile(JobKind kind) {
-  return kind == JobKind::kCopy || kind == JobKind::kClip || kind == JobKind::kTrack || kind == JobKind::kRefine;
+  return kind == JobKind::kCopy || kind == JobKind::kClip || kind == JobKind::kRefine;
 }
 
 /// How the names of the refined category models of an index begin in the folder of copies. Other servers may have files

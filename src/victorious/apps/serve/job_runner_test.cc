@@ -117,25 +117,21 @@ TEST(JobArguments, OfBoxedPhotosAndOfASearchFromTheBeginning) {
 TEST(JobArguments, OfLiveSourcesAndFollowedBoxes) {
   EXPECT_THAT(*JobArguments({.kind = JobKind::kLive, .input_json = R"({"video": "rtsp://host/one"})"}, kFolders),
               ElementsAre("index", "--models", "/d/models", "--db", "/d/index.db", "--", "rtsp://host/one"));
-  const JobRecord track{
-      .kind = JobKind::kTrack,
-      .input_json =
-          R"({"video": "-v.mp4", "at_s": 1.5, "box": [1, 2.5, 30, 40], "type": "-van", "track": "/d/t.jsonl"})"};
-  EXPECT_THAT(*JobArguments(track, kFolders), ElementsAre("track", "--box=1,2.5,30,40", "--at=1.500000", "--force",
-                                                          "--out=/d/t.jsonl", "--type=-van", "--", "-v.mp4"));
-  EXPECT_EQ(MadeFileOf(track), "/d/t.jsonl");
+  const JobRecord track{.kind = JobKind::kTrack,
+                        .input_json = R"({"video": "-v.mp4", "at_s": 1.5, "box": [1, 2.5, 30, 40], "type": "-van"})"};
+  EXPECT_THAT(*JobArguments(track, kFolders), ElementsAre("track", "--db", "/d/index.db", "--box=1,2.5,30,40",
+                                                          "--at=1.500000", "--type=-van", "--", "-v.mp4"));
+  EXPECT_FALSE(MadeFileOf(track));
 }
 
 TEST(JobArguments, OfTracksSayWhatIsWrong) {
   const auto message = [](const char* input) {
     return JobArguments({.kind = JobKind::kTrack, .input_json = input}, kFolders).error().message;
   };
-  EXPECT_THAT(message(R"({"track": "/d/t.jsonl"})"), HasSubstr("video"));
-  EXPECT_THAT(message(R"({"video": "v", "box": [1, 2, 3, 4], "at_s": 0})"), HasSubstr("track"));
-  EXPECT_THAT(message(R"({"video": "v", "track": "/d/t.jsonl", "box": [1, 2, 3, 4]})"), HasSubstr("at_s"));
-  EXPECT_THAT(message(R"({"video": "v", "track": "/d/t.jsonl", "at_s": 0, "box": [1, 2, 3]})"), HasSubstr("box"));
-  EXPECT_THAT(message(R"({"video": "v", "track": "/d/t.jsonl", "at_s": 0, "box": [1, 2, 3, 4], "type": 5})"),
-              HasSubstr("type"));
+  EXPECT_THAT(message(R"({"box": [1, 2, 3, 4], "at_s": 0})"), HasSubstr("video"));
+  EXPECT_THAT(message(R"({"video": "v", "box": [1, 2, 3, 4]})"), HasSubstr("at_s"));
+  EXPECT_THAT(message(R"({"video": "v", "at_s": 0, "box": [1, 2, 3]})"), HasSubstr("box"));
+  EXPECT_THAT(message(R"({"video": "v", "at_s": 0, "box": [1, 2, 3, 4], "type": 5})"), HasSubstr("type"));
 }
 
 TEST(JobArguments, InvalidInputsAreErrors) {
@@ -198,8 +194,7 @@ TEST(JobArguments, NameNoOtherFilesThanTheServerKnows) {
            {JobKind::kCopy, R"({"video": "/v/a.mp4", "copy": "/d/.."})"},
            {JobKind::kClip, R"({"video": "/v/a.mp4", "object": 3, "clip": "/etc/c.mp4"})"},
            {JobKind::kClip, R"({"video": "/v/a.mp4", "object": 3, "clip": "/d/c.mp4", "telemetry": "/etc/passwd"})"},
-           {JobKind::kTrack, R"({"video": "/v/a.mp4", "track": "/etc/t", "box": [1, 2, 3, 4], "at_s": 0})"},
-           {JobKind::kTrack, R"({"video": "/etc/x", "track": "/d/t.jsonl", "box": [1, 2, 3, 4], "at_s": 0})"},
+           {JobKind::kTrack, R"({"video": "/etc/x", "box": [1, 2, 3, 4], "at_s": 0})"},
            {JobKind::kRefine, R"({"categories": "/etc/x.vcat", "refine": "/d/r.vcat"})"},
            {JobKind::kRefine, R"({"categories": "/d/kinds.vcat", "refine": "/etc/r.vcat"})"}}) {
     EXPECT_FALSE(JobArguments({.kind = kind, .input_json = input}, folders)) << ToText(kind) << input;

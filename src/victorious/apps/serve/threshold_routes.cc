@@ -99,7 +99,7 @@ Expected<std::string> ThresholdRoutes::MakeList(const IndexLists& lists) {
     }
     rows.push_back({{"model_id", model.id},
                     {"model", model.name},
-                    {"is_category", model.IsCategory()},
+                    {"is_category", model.IsCategory() && !model.IsBoxed()},
                     {"accepted", accepted},
                     {"rejected", std::ssize(scores) - accepted},
                     {"learnt", std::move(learnt)},

@@ -92,13 +92,16 @@ bool IsTable(const VideoRecord& video) {
   return beside && beside->extension() == ".csv";
 }
 
-// The tracklets of the store without content, by id, of each video.
+// The tracklets of the store without content, by id, of each video; but for those of what people boxed, whose objects
+// are what they boxed.
 Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(const std::vector<ModelRecord>& models,
                                                                               const std::vector<VideoRecord>& videos,
                                                                               IndexStore& store) {
   std::set<std::int64_t> categories;
   std::set<std::int64_t> cad_models;
+  std::set<std::int64_t> boxed;  // models
   for (const ModelRecord& model : models) {
+    if (model.IsBoxed()) boxed.insert(model.id);
     if (model.IsCategory()) categories.insert(model.id);
     if (model.kind == ModelKind::kCad) cad_models.insert(model.id);
   }
@@ -111,6 +114,7 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> records, store.Tracklets());
   std::map<std::int64_t, std::vector<ObservedTracklet>> flights;
   for (const TrackletRecord& record : records) {
+    if (boxed.contains(record.model)) continue;
     const auto video = videos_by_id.find(record.video);
     const bool is_known = video != videos_by_id.end();
     flights[record.video].push_back({.record = record,
