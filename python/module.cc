@@ -170,8 +170,9 @@ lv::WarningCallback WarningsTo(const py::object& warn) {
 
 lv::Filter FilterOf(std::optional<std::string> model, std::optional<std::string> category,
                     std::optional<std::string> video, std::optional<double> from_s, std::optional<double> to_s,
-                    std::optional<std::int64_t> object_id, bool include_rejected) {
-  return {std::move(model), std::move(category), std::move(video), from_s, to_s, object_id, include_rejected};
+                    std::optional<std::int64_t> object_id, bool include_rejected, bool include_weak) {
+  return {std::move(model), std::move(category), std::move(video), from_s, to_s,
+          object_id,        include_rejected,    include_weak};
 }
 
 py::array_t<double> ArrayOfPoints(const std::vector<lv::Point>& points) {
@@ -441,7 +442,7 @@ void DefineIndex(py::module_& module) {
   py::class_<lv::Filter>(module, "Filter", "Conditions that must all hold.")
       .def(py::init(&FilterOf), py::kw_only(), py::arg("model") = py::none(), py::arg("category") = py::none(),
            py::arg("video") = py::none(), py::arg("from_s") = py::none(), py::arg("to_s") = py::none(),
-           py::arg("object") = py::none(), py::arg("include_rejected") = false);
+           py::arg("object") = py::none(), py::arg("include_rejected") = false, py::arg("include_weak") = false);
   py::class_<Index>(module, "NativeIndex", "An index, read only.")
       .def(py::init([](const std::string& name) { return std::make_unique<Index>(lv::Index(name)); }), py::arg("name"),
            Unlocked())

@@ -14,7 +14,8 @@ goes on.
 
 Prints one row per video: frames, duration in seconds, sightings, objects, and frames/s of `victorious index`. Then, per
 kind of video and in total: false objects, false objects per hour, and the 95 % upper limit of the Poisson rate; with
---json these as an object instead, and `videos`: the counts of each.
+--json these as an object instead, with `videos`: the counts of each, and `curve`: the false objects an hour by the least
+score that counts. `sightings` and `objects` are without weak finds, whose number is `weak`; `scores` are of both.
 """
 
 import argparse
@@ -25,12 +26,13 @@ import random
 import re
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from movies import Program
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+CURVE = (0, 0.1, 0.25, 0.5, 0.75, 0.9)  # scores
 
 
 @dataclass
@@ -39,6 +41,8 @@ class Tally:
     seconds: float = 0
     sightings: int = 0
     objects: int = 0
+    weak: int = 0
+    scores: list[float] = field(default_factory=list)  # of objects and weak finds
 
     def add(self, other: "Tally"):
         for name in vars(self):
@@ -50,6 +54,10 @@ class Tally:
     def below(self) -> float:
         """95 % upper limit of the objects an hour."""
         return upper_limit(self.objects) / self.seconds * 3600
+
+    def curve(self) -> dict[str, float]:
+        """Objects an hour that score as much, by score."""
+        return {str(least): sum(score >= least for score in self.scores) / self.seconds * 3600 for least in CURVE}
 
 
 def upper_limit(count: int, confidence: float = 0.95) -> float:
@@ -132,12 +140,14 @@ def count_anew(program: Program, video: Path, library: Path, db: Path, params: P
                        *(["--params", params] if params else [])).stderr  # fmt: skip
     took = time.monotonic() - begun
     sightings = program("export", "--db", db, "--format", "sightings").splitlines()
-    objects = [json.loads(line) for line in program("export", "--db", db, "--format", "objects").splitlines()]
-    for one in objects:
+    objects = program("export", "--db", db, "--format", "objects").splitlines()
+    listed = [json.loads(line) for line in program("export", "--db", db, "--format", "objects", "--weak").splitlines()]
+    for one in listed:
         print(f"  {video}: {one['model']}, score {one['score']:.3f}, {one['frames']} frames", file=sys.stderr, flush=True)
     frames = int(re.search(r"(\d+) frames searched", reported)[1])
     frame_rate = json.loads(program("doctor", video, "--json"))["frame_rate"]
-    return Tally(frames, frames / frame_rate, len(sightings), len(objects)), took
+    scores = [one["score"] for one in listed]
+    return Tally(frames, frames / frame_rate, len(sightings), len(objects), len(listed) - len(objects), scores), took
 
 
 def main():
@@ -181,9 +191,9 @@ def main():
     for kind, tally in of_kind.items():
         if tally.seconds:
             print(f"{kind}: {tally.objects} false objects in {tally.frames} frames, {tally.seconds:.0f} s: "
-                  f"{tally.hourly():.1f} an hour, below {tally.below():.1f} with 95 %", file=shown)  # fmt: skip
+                  f"{tally.hourly():.1f} an hour, below {tally.below():.1f} with 95 %; {tally.weak} weak finds", file=shown)  # fmt: skip
     if arguments.json:
-        print(json.dumps({kind.replace(" ", "_"): vars(tally) | {"hourly": tally.hourly(), "below": tally.below()}
+        print(json.dumps({kind.replace(" ", "_"): vars(tally) | {"hourly": tally.hourly(), "below": tally.below(), "curve": tally.curve()}
                           for kind, tally in of_kind.items() if tally.seconds} | {"videos": counts}))  # fmt: skip
 
 

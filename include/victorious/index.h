@@ -98,6 +98,7 @@ struct Filter {
   std::optional<double> to_s;
   std::optional<std::int64_t> object;  ///< id
   bool include_rejected = false;
+  bool include_weak = false;  ///< objects of models that score below 0.5, and are more likely false than right
 };
 
 struct IndexedVideo {

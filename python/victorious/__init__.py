@@ -31,7 +31,7 @@ class Index:
     """An index (a SQLite file, or postgresql://USER@HOST/DATABASE), read only, while others may write it.
 
     Each list takes conditions that must all hold: model, category, video (names), from_s, to_s, object (an id),
-    include_rejected."""
+    include_rejected, include_weak."""
 
     def __init__(self, name: str):
         self._native = NativeIndex(str(name))
@@ -54,7 +54,7 @@ class Index:
         """The sightings as arrays; class_id counts the models of models()."""
         sightings = self._native.sightings(Filter(**conditions))
         ids = {model.name: number for number, model in enumerate(self.models())}
-        return of_sightings(sightings, self._native.objects(Filter(include_rejected=True)), ids)
+        return of_sightings(sightings, self._native.objects(Filter(include_rejected=True, include_weak=True)), ids)
 
     def frames(self, **conditions) -> Iterator[tuple[str, int, Detections]]:
         """The detections of each frame that has one: name of the video, number of the frame, its detections."""

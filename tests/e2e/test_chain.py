@@ -130,6 +130,15 @@ class FindsTest(program.ProgramTest):
         coco = json.loads(self.export(program.index(), "coco"))
         self.assertEqual({category["name"] for category in coco["categories"]}, {"crate", "truck"})
         images = {image["id"]: image for image in coco["images"]}
+        (video,) = coco["videos"]
+        self.assertEqual((video["width"], video["height"]), (images[1]["width"], images[1]["height"]))
+        self.assertAlmostEqual(video["annotation_fps"], 10, delta=0.01)
+        tracks = {track["id"]: track["name"] for track in coco["tracks"]}
+        categories = {category["id"]: category["name"] for category in coco["categories"]}
+        for one in coco["annotations"]:
+            self.assertEqual(tracks[one["track_id"]], f"{categories[one['category_id']]} {one['track_id']}")
+        for one in coco["images"]:
+            self.assertEqual((one["video_id"], one["frame_index"], one["timestamp"]), (video["id"], one["frame"], one["time_s"]))
         found = [(images[a["image_id"]]["frame"], a["track_id"], a["bbox"]) for a in coco["annotations"]]
         self.assertEqual(found, [(row["frame"], row["object_id"], row["box"]) for row in rows])
         for image in images.values():

@@ -375,6 +375,26 @@ class ServeTest(ServerCase):
             self.assertEqual(found["review"]["verdict"], "rejected")
             self.assertEqual(found["review"]["note"], "a shadow")
 
+    def test_weak_finds_are_left_out_unless_asked_for(self):
+        """What is more likely false than right is not in exports, but on the page, below all that is not."""
+        db = self.scratch / "weak.db"
+        shutil.copy(self.db, db)
+        listed = self.succeeds("export", "--db", db, "--format", "objects").rows()
+        weak = listed[0]["object_id"]
+        with contextlib.closing(sqlite3.connect(db)) as index, index:
+            index.execute("UPDATE objects SET object_score = 0.49 WHERE id = ?", [weak])
+        for command in (("search", "--json"), ("export", "--format", "objects"), ("export", "--format", "sightings")):
+            done = self.succeeds(*command, "--db", db)
+            self.assertEqual({row["object_id"] for row in done.rows()}, {one["object_id"] for one in listed[1:]})
+            self.assertIn("1 weak find left out: it scores below 0.5 (--weak lists it)", done.err)
+            for more in (["--weak"], ["--object", weak]):
+                self.assertIn(weak, {row["object_id"] for row in self.succeeds(*command, "--db", db, *more).rows()})
+        with program.Server(db) as server:
+            shown = self.get(server, "/api/v1/objects?sort=rank")["objects"]
+            self.assertEqual(shown[-1]["id"], weak)
+            self.review(server, weak, verdict="accepted")
+        self.assertIn(weak, {row["object_id"] for row in self.succeeds("search", "--json", "--db", db).rows()}, "a person knows better")
+
     def test_thresholds_are_those_of_the_commands(self):
         """A threshold set by the API leaves out of search, export and sheet what it leaves out of the API's list."""
         def ids(*command):
@@ -692,7 +712,7 @@ class ServeTest(ServerCase):
             self.assertEqual(sources, ["telemetry", None])
             for one, has_place in zip(videos, (True, False)):
                 job = self.wait_for_job(server, self.post_job(server, **box, video_id=one["id"]), "done")
-                (number,) = re.findall(r"is object (\d+) of", job["message"])
+                (number,) = re.findall(r"is object (\d+),", job["message"])
                 boxed = self.get(server, f"/api/v1/objects/{number}")
                 self.assertEqual(boxed["model"], "boxed/truck")
                 self.assertEqual([one["id"]], [moment["video_id"] for moment in boxed["moments"]])

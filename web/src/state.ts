@@ -64,6 +64,9 @@ export const selected = computed(() => (selectedId.value === null ? null : (obje
 export const video = computed(() => videos.value.find((one) => one.id === videoId.value) ?? null);
 export const models = computed(() => (project.value.state === "ready" ? project.value.value.models : []));
 export const modelNames = computed(() => models.value.map((one) => one.name));
+export const categoryNames = computed(
+  () => new Set(models.value.filter((one) => one.kind === "category" || one.kind === "boxed").map((one) => one.name)),
+);
 const modelById = computed(() => new Map(models.value.map((one) => [one.id, one.name])));
 export const modelName = (id: number) => modelById.value.get(id) ?? "";
 
@@ -74,8 +77,6 @@ export const shownTime = computed(() =>
   shownFrame.value !== null && frameTable.value.state === "ready" ? frameTable.value.value.timeOf(shownFrame.value) : null,
 );
 
-/** Of what was boxed and followed, which is of no model. */
-export const FOLLOWED_COLOUR = "#ffffff";
 export const markOf = (model: string): Mark => markAt(modelNames.value.indexOf(model));
 export const colourOf = (model: string) => markOf(model).colour;
 

@@ -17,6 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
 using ::testing::UnorderedElementsAreArray;
 
 class ThresholdStoreTest : public ::testing::TestWithParam<testing::StoreKind> {
@@ -70,6 +71,42 @@ TEST_P(ThresholdStoreTest, KeepsOneThresholdForEachModel) {
   EXPECT_EQ(log[1].detail, R"({"min_score":0.75})");
   EXPECT_EQ(log[1].actor, "bob");
   EXPECT_FALSE(other->Put({.model = "jeep"})) << "opened for reading";
+}
+
+TEST_P(ThresholdStoreTest, WeakFindsAreOfModelsAndUndecided) {
+  const std::int64_t category =
+      writer_->PutModel({.name = "car", .content_id = "car", .kind = ModelKind::kCategory})->id;
+  const std::int64_t strong = AddObject(models_[0], 0.9);
+  const std::int64_t weak = AddObject(models_[0], 0.9);
+  const std::int64_t accepted = AddObject(models_[1], 0.9);
+  const std::int64_t car = AddObject(category, 0.3);
+  std::vector<ObjectRecord> objects;
+  const auto score = [&](std::int64_t id, std::int64_t model, double by_all) {
+    objects.push_back({.id = id, .model = model, .object_score = by_all});
+    objects.back().tracklets.push_back(id);
+  };
+  score(strong, models_[0], kWeakScore);
+  score(weak, models_[0], 0.49);
+  score(accepted, models_[1], 0.1);
+  ASSERT_TRUE(writer_->PutObjects(objects));
+  ASSERT_TRUE(writer_->PutReview(accepted, {.verdict = Verdict::kAccepted}));
+  const auto ids = [&](const SightingFilter& filter) {
+    std::vector<std::int64_t> found;
+    const auto matching = writer_->Objects(filter).value();
+    for (const ObjectRecord& one : matching) found.push_back(one.id);
+    std::vector<std::int64_t> seen;
+    const auto sightings = writer_->Sightings(filter).value();
+    for (const SightingRecord& one : sightings) seen.push_back(one.object);
+    EXPECT_THAT(seen, UnorderedElementsAreArray(found));
+    return found;
+  };
+  EXPECT_THAT(ids({}), UnorderedElementsAre(strong, weak, accepted, car));
+  EXPECT_THAT(ids({.without_weak = true}), UnorderedElementsAre(strong, accepted, car));
+  // A rejected one is left out for that; who asks for it gets it, however weak it is.
+  objects[1].rejected = "at the place of another";
+  ASSERT_TRUE(writer_->PutObjects(objects));
+  EXPECT_THAT(ids({.without_weak = true}), UnorderedElementsAre(strong, accepted, car));
+  EXPECT_THAT(ids({.include_rejected = true, .without_weak = true}), UnorderedElementsAre(strong, weak, accepted, car));
 }
 
 TEST_P(ThresholdStoreTest, ListsDecisionsOfTheTeamByModel) {

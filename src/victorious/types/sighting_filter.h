@@ -32,6 +32,10 @@ enum class ThresholdUse { kIgnored, kApplied };
 inline constexpr auto kThresholdUseTexts =
     std::to_array<EnumText<ThresholdUse>>({{ThresholdUse::kApplied, "applied"}, {ThresholdUse::kIgnored, "ignored"}});
 
+/// An object of a model that scores less is more likely false than right: a weak find. Scores are probabilities.
+/// Categories have no such bound: their scores are those of single frames.
+inline constexpr double kWeakScore = 0.5;
+
 /// Selects objects or sightings. All conditions that are set must hold.
 struct SightingFilter {
   std::optional<std::string> model_name;
@@ -45,6 +49,7 @@ struct SightingFilter {
   std::optional<std::int64_t> video;     ///< the video of this id, or objects seen in it
   std::optional<std::int64_t> tracklet;  ///< the tracklet of this id, or its object
   ThresholdUse thresholds = ThresholdUse::kIgnored;  ///< kApplied: those in force
+  bool without_weak = false;  ///< without weak finds that nobody has decided, but for rejected objects
 };
 
 }  // namespace victorious

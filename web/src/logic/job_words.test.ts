@@ -27,7 +27,7 @@ describe("what a job has come to", () => {
   });
 
   it("says how long and how exactly a box was followed", () => {
-    const track = { kind: "track" as const, state: "done" as const, message: "box-1: is object 12 of /data/a.db, boxed/van" };
+    const track = { kind: "track" as const, state: "done" as const, message: "box-1: is object 12, boxed/van" };
     const object = { first_time_s: 3.8, last_time_s: 5.9, place: placeWithin(15.1), speed_m_s: null };
     expect(followedObject(track)).toBe(12);
     expect(followedObject({ ...track, state: "running" })).toBeNull();

@@ -9,7 +9,7 @@ export type FollowedObject = Pick<FoundObject, "first_time_s" | "last_time_s" | 
 
 /** The object that a job has made of what was boxed; null: none. */
 export function followedObject(job: Pick<Job, "kind" | "state" | "message">): number | null {
-  const object = /: is object (\d+) of /.exec(job.message)?.[1];
+  const object = /: is object (\d+), /.exec(job.message)?.[1];
   return job.kind === "track" && job.state === "done" && object !== undefined ? Number(object) : null;
 }
 

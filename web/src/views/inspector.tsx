@@ -22,7 +22,7 @@ import { Swatch } from "./swatch";
 
 function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail | null }) {
   const best = detail?.best ?? null;
-  const hasView = best !== null && state.project.value.state === "ready" && state.project.value.value.has_views;
+  const hasView = best !== null && state.project.value.state === "ready" && state.project.value.value.has_views && !state.categoryNames.value.has(object.model);
   return (
     <div class="crops">
       <figure class="crop">

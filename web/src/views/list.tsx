@@ -13,6 +13,7 @@ import { describeSeen, summarizeSeen } from "../logic/moments";
 import { type ChoosableModel, findModels, modelsWithChips } from "../logic/model_choice";
 import type { PagedList } from "../logic/paged_list";
 import { thresholdCost } from "../logic/threshold_cost";
+import { isBelow, isWeak } from "../logic/weak";
 import * as jobs from "../jobs";
 import * as load from "../load";
 import { me } from "../me";
@@ -89,13 +90,15 @@ export function VerdictMark({ object }: { object: FoundObject }) {
 /** Where the list has little height they are folded (app.css); elsewhere they are always shown. */
 const areFiltersOpen = signal(false);
 
-function Row({ object, index, top, total }: { object: FoundObject; index: number; top: number; total: number }) {
+function Row({ object, before, index, top, total }: { object: FoundObject; before: FoundObject | undefined; index: number; top: number; total: number }) {
   const isSelected = state.selectedId.value === object.id;
   const isMarked = reviews.marked.value.has(object.id);
   const place = object.place;
   const accuracy = place ? `± ${formatMetres(place.ce90_m)}` : "no place";
   const seen = state.seenOf(object);
   const areSeveral = state.videos.value.length > 1;
+  const weak = isWeak(object, state.categoryNames.value);
+  const isFirstBelow = state.sort.value === "rank" && isBelow(before, object);
   return (
     <div
       id={`object-${object.id}`}
@@ -103,7 +106,7 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
       aria-selected={isSelected}
       aria-posinset={index + 1}
       aria-setsize={total}
-      class={`row ${state.matcher.value(object) ? "" : "greyed"} ${isMarked ? "marked" : ""}`}
+      class={`row ${state.matcher.value(object) ? "" : "greyed"} ${isMarked ? "marked" : ""} ${isFirstBelow ? "first-below" : ""}`}
       style={{ transform: `translateY(${top}px)` }}
       onClick={(event) => {
         const from = state.selectedId.value;
@@ -123,7 +126,7 @@ function Row({ object, index, top, total }: { object: FoundObject; index: number
             <span>{object.model}</span>
           </div>
           <span class="score" title={explainScore(object.score)}>
-            {formatScore(object.score)}
+            {weak && <span class="weak" title="More likely false than right">weak</span>} {formatScore(object.score)}
           </span>
         </div>
         <div class="line">
@@ -359,7 +362,9 @@ function Rows({ list }: { list: PagedList }) {
         {items.map((item) => {
           const id = list.at(item.index);
           const object = id === undefined ? undefined : objects.objectOf(id);
-          if (object) return <Row key={id} object={object} index={item.index} top={item.start} total={list.total} />;
+          const previous = list.at(item.index - 1);
+          const before = previous === undefined ? undefined : objects.objectOf(previous);
+          if (object) return <Row key={id} object={object} before={before} index={item.index} top={item.start} total={list.total} />;
           return (
             <div key={`at-${item.index}`} class="row" aria-busy="true" style={{ transform: `translateY(${item.start}px)` }}>
               <div class="thumb skeleton" />

@@ -376,6 +376,10 @@ void FilterArguments::AddTo(ArgumentParser& parser) {
       .TypeName("LAT,LON,METRES");
   parser.Add("--object", object, "Only the object of this id").TypeName("ID");
   parser.AddFlag("--rejected", rejected, "Include rejected objects, with the reason");
+  parser.AddFlag("--weak", weak,
+                 fmt::format("Include weak finds: objects of models that score below {:g}, and are more likely false "
+                             "than right",
+                             kWeakScore));
   parser
       .Add("--thresholds", thresholds,
            "applied: without the objects that nobody has reviewed and that score less than the threshold that reviews "
@@ -405,19 +409,35 @@ Expected<SightingFilter> FilterArguments::Filter() const {
   filter.include_rejected = rejected;
   filter.object = object;
   filter.thresholds = FromText(kThresholdUseTexts, thresholds).value_or(ThresholdUse::kIgnored);
+  filter.without_weak = !weak && !object;  // one that is asked for by its number is meant
   return filter;
 }
 
-Expected<std::string> ExplainThresholds(SightingFilter filter, IndexStore& store) {
-  if (filter.thresholds == ThresholdUse::kIgnored) return "";
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> listed, store.Objects(filter));
-  filter.thresholds = ThresholdUse::kIgnored;
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> matching, store.Objects(filter));
-  const std::size_t left_out = matching.size() - std::min(matching.size(), listed.size());
-  if (left_out == 0) return "";
-  return fmt::format("{} below the threshold of {} left out (--thresholds ignored lists {})",
-                     CountText(left_out, "object"), left_out == 1 ? "its model is" : "their models are",
-                     left_out == 1 ? "it" : "them");
+Expected<std::string> ExplainScores(const SightingFilter& filter, IndexStore& store) {
+  if (!filter.without_weak && filter.thresholds == ThresholdUse::kIgnored) return "";
+  SightingFilter wider = filter;
+  const auto count = [&]() -> Expected<std::size_t> {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> matching, store.Objects(wider));
+    return matching.size();
+  };
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t listed, count());
+  wider.without_weak = false;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t with_weak, count());
+  std::size_t all = with_weak;
+  if (std::exchange(wider.thresholds, ThresholdUse::kIgnored) == ThresholdUse::kApplied) {
+    VICTORIOUS_ASSIGN_OR_RETURN(all, count());
+  }
+  std::vector<std::string> said;
+  if (const std::size_t weak = with_weak - std::min(with_weak, listed); weak > 0) {
+    said.push_back(fmt::format("{} left out: {} below {:g} (--weak lists {})", CountText(weak, "weak find"),
+                               weak == 1 ? "it scores" : "they score", kWeakScore, weak == 1 ? "it" : "them"));
+  }
+  if (const std::size_t below = all - std::min(all, with_weak); below > 0) {
+    said.push_back(fmt::format("{} below the threshold of {} left out (--thresholds ignored lists {})",
+                               CountText(below, "object"), below == 1 ? "its model is" : "their models are",
+                               below == 1 ? "it" : "them"));
+  }
+  return fmt::format("{}", fmt::join(said, "; "));
 }
 
 Status CheckObject(const SightingFilter& filter, IndexStore& store) {
@@ -474,7 +494,7 @@ Expected<std::string> ExplainRejected(SightingFilter filter, IndexStore& store) 
 Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> found, store.Objects(filter));
   if (!found.empty()) return "";
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainScores(filter, store));
   if (!below.empty()) return "";
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
   if (videos.empty()) return "the index is empty: `victorious index VIDEO` searches a video";

@@ -149,8 +149,8 @@ CancelToken& Interrupt();
 /// The signal that cancelled it, SIGINT or SIGTERM; 0 if none did.
 [[nodiscard]] int InterruptSignal();
 
-/// The flags --video, --model, --category, --from, --to, --near and --rejected of the commands that list the content of
-/// an index.
+/// The flags --video, --model, --category, --from, --to, --near, --object, --rejected, --weak and --thresholds of the
+/// commands that list the content of an index.
 struct FilterArguments {
   std::string video;
   std::string model;
@@ -160,6 +160,7 @@ struct FilterArguments {
   std::string near;
   std::optional<std::int64_t> object;
   bool rejected = false;
+  bool weak = false;
   std::string thresholds = std::string(ToText(kThresholdUseTexts, ThresholdUse::kIgnored));
 
   void AddTo(ArgumentParser& parser);
@@ -168,9 +169,9 @@ struct FilterArguments {
   [[nodiscard]] Expected<SightingFilter> Filter() const;
 };
 
-/// A message for the user that says how many of the matching objects the thresholds of their models leave out; empty if
-/// none.
-[[nodiscard]] Expected<std::string> ExplainThresholds(SightingFilter filter, IndexStore& store);
+/// A message for the user that says how many of the matching objects the thresholds of their models leave out, or how
+/// many are weak finds; empty if none.
+[[nodiscard]] Expected<std::string> ExplainScores(const SightingFilter& filter, IndexStore& store);
 
 /// Error: kNotFound if filter.object is set and the index has no object of this id, not even a rejected one.
 [[nodiscard]] Status CheckObject(const SightingFilter& filter, IndexStore& store);
@@ -179,8 +180,8 @@ struct FilterArguments {
 [[nodiscard]] Expected<std::string> ExplainRejected(SightingFilter filter, IndexStore& store);
 
 /// A message for the user that explains why no object matches the filter: nothing near, all rejected (how many, and why
-/// the best one), the flags that leave out all there are, or nothing seen. Empty if an object matches, or if thresholds
-/// leave out all that would.
+/// the best one), the flags that leave out all there are, or nothing seen. Empty if an object matches, or if
+/// ExplainScores says why.
 [[nodiscard]] Expected<std::string> ExplainNothingFound(const SightingFilter& filter, IndexStore& store);
 
 /// A message for the user that says how many of the matching objects have no place, which a map leaves out, and why;

@@ -279,6 +279,7 @@ Expected<Report> DescribeIndex(const std::string& db) {
     ordered_json searches = ordered_json::array();
     VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<SearchPart> parts, store->SearchParts(video.id));
     for (const ModelRecord& model : models) {
+      if (model.IsBoxed()) continue;  // nothing is searched for it
       VICTORIOUS_ASSIGN_OR_RETURN(const auto search, store->FindSearch(video.id, model.id));
       const auto own = std::ranges::equal_range(parts, model.id, {}, &SearchPart::model);
       const SearchCoverage coverage = CoverageOf(video, search ? &*search : nullptr, own);

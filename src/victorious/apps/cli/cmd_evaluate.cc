@@ -24,6 +24,7 @@ struct EvaluateArguments {
   std::vector<std::string> models;
   bool scores = false;
   bool rejected = false;
+  bool weak = false;
   bool json = false;
 };
 
@@ -33,6 +34,7 @@ Status Run(const EvaluateArguments& arguments) {
   SightingFilter filter;
   if (!arguments.video.empty()) filter.video_name = arguments.video;
   filter.include_rejected = arguments.rejected;
+  filter.without_weak = !arguments.weak;
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(*store, filter));
   if (catalogue.videos().size() > 1) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -47,7 +49,9 @@ Status Run(const EvaluateArguments& arguments) {
   nlohmann::ordered_json json = ToJson(score);
   std::string text = ToText(score);
   if (arguments.scores) {
-    const std::vector<JudgedObject> judged = JudgeObjects(truth, reported.objects, reported.sightings);
+    filter.without_weak = false;  // whether their scores are right, all of them say
+    VICTORIOUS_ASSIGN_OR_RETURN(const ReportedContent all, ReadReported(*store, filter));
+    const std::vector<JudgedObject> judged = JudgeObjects(truth, all.objects, all.sightings);
     const Reliability reliability = MeasureReliability(judged);
     json["reliability"] = ToJson(reliability, judged);
     text += ToText(reliability, judged);
@@ -67,6 +71,9 @@ Action SetUpEvaluate(ArgumentParser& parser) {
   parser.Add("--video", arguments->video, "The video, if the index contains several").TypeName("NAME");
   parser.AddFlag("--scores", arguments->scores, "Also: which objects are right, and whether their scores say so");
   parser.AddFlag("--rejected", arguments->rejected, "Count rejected objects as if they were reported");
+  parser.AddFlag(
+      "--weak", arguments->weak,
+      fmt::format("Count weak finds, too: what scores below {:g}, and no export has by default", kWeakScore));
   parser.AddFlag("--json", arguments->json, "Print JSON");
   return [=] { return Run(*arguments); };
 }

@@ -75,7 +75,7 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
     return {};
   }
   if (drawing.sightings.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(std::string why, ExplainThresholds(filter, store));
+    VICTORIOUS_ASSIGN_OR_RETURN(std::string why, ExplainScores(filter, store));
     if (why.empty()) {
       VICTORIOUS_ASSIGN_OR_RETURN(why, ExplainNothingFound(filter, store));
     }
@@ -99,7 +99,7 @@ Status ExportVideo(const std::string& out, const SightingFilter& filter, const C
 
 // Says in the log why objects are not in an export that one may expect there.
 Status ExplainExport(const ExportFormat& format, const SightingFilter& filter, IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainScores(filter, store));
   if (!below.empty()) LogInfo(OneLine(below));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::string nothing, ExplainNothingFound(filter, store));
   if (!nothing.empty()) LogInfo("nothing to export: {}", OneLine(nothing));

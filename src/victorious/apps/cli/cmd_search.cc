@@ -91,7 +91,7 @@ Status PrintObjects(const SearchArguments& arguments, const SightingFilter& filt
                        "score", "frames", "from", "to", "object", "place (CE90)", "heading", "m/s", "videos");
     for (const ListedObject& object : objects) text += ObjectLine(object);
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainThresholds(filter, store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainScores(filter, store));
   if (!below.empty()) LogInfo(OneLine(below));
   if (objects.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::string why, ExplainNothingFound(filter, store));

@@ -89,6 +89,8 @@ Action SetUpSheet(ArgumentParser& parser) {
     VICTORIOUS_RETURN_IF_ERROR(CheckContents(filter, arguments->options.max_tiles, catalogue, *store));
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat sheet, DrawContactSheet(filter, arguments->options, *store));
     VICTORIOUS_RETURN_IF_ERROR(WriteImage(arguments->out, sheet));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string below, ExplainScores(filter, *store));
+    if (!below.empty()) LogInfo(OneLine(below));
     if (!arguments->json) return {};
     const nlohmann::ordered_json line = {{"image", arguments->out}, {"width", sheet.cols}, {"height", sheet.rows}};
     return WriteOutput("", DumpJson(line) + "\n");

@@ -161,11 +161,11 @@ Expected<OpenedIndex> OpenIndex(const std::string& db, const std::vector<std::st
   return index;
 }
 
-// Logs the object that a box has become, and why it has no place.
-void LogObject(const std::string& db, const TrackedBoxes& tracked, std::size_t box_index, const UserBox& box,
-               std::int64_t object) {
+// Logs the object that a box has become, with its place or the reason why there is none.
+void LogObject(const TrackedBoxes& tracked, std::size_t box_index, const UserBox& box, std::int64_t object) {
   const std::string& failure = tracked.place_failures[box_index];
-  LogInfo("{}: is object {} of {}, {}{}", BoxName(box_index), object, StoreName(db), OneLine(CategoryOfBox(box)),
+  if (failure.empty()) LogPlace(tracked, box_index);
+  LogInfo("{}: is object {}, {}{}", BoxName(box_index), object, OneLine(CategoryOfBox(box)),
           failure.empty() ? "" : "; no place: " + failure);
 }
 
@@ -223,8 +223,11 @@ Status Run(const TrackArguments& arguments, const ArgumentParser& parser) {
   LogUnknownTypes(arguments.types);
   for (std::size_t box_index = 0; box_index < boxes.size(); ++box_index) {
     LogSightingTimes(tracked.sightings, videos, box_index);
-    LogPlace(tracked, box_index);
-    if (!objects.empty()) LogObject(arguments.db, tracked, box_index, boxes[box_index], objects[box_index]);
+    if (objects.empty()) {
+      LogPlace(tracked, box_index);
+    } else {
+      LogObject(tracked, box_index, boxes[box_index], objects[box_index]);
+    }
   }
   return {};
 }

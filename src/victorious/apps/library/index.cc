@@ -36,7 +36,8 @@ victorious::Expected<victorious::SightingFilter> FilterOf(const Filter& filter, 
                                    .to_s = filter.to_s,
                                    .near = {},
                                    .include_rejected = filter.include_rejected,
-                                   .object = filter.object};
+                                   .object = filter.object,
+                                   .without_weak = !filter.include_weak && !filter.object};
   // A name that the index does not have is an error.
   VICTORIOUS_RETURN_IF_ERROR(victorious::Catalogue::Read(store, inner));
   return inner;

@@ -17,7 +17,12 @@ const ModelRecord* FindSame(const std::vector<ModelRecord>& records, const Model
 Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<ModelRecord>& others) {
   for (const ModelRecord& one : sought) {
     for (const ModelRecord& other : others) {
-      if (one.name != other.name || one.IsCategory() == other.IsCategory()) continue;
+      if (one.name != other.name) continue;
+      if (one.IsBoxed() != other.IsBoxed()) {
+        return Fail(ErrorCode::kInvalidArgument,
+                    fmt::format("{}: is the name of what people boxed: rename the category", one.name));
+      }
+      if (one.IsCategory() == other.IsCategory()) continue;
       return Fail(ErrorCode::kInvalidArgument,
                   fmt::format("{}: is the name of both a model and a category: rename one of them", one.name));
     }

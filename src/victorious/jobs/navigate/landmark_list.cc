@@ -118,7 +118,8 @@ Expected<Landmark> ParseLandmark(std::string_view line, const LandmarkListOption
 
 Expected<LandmarkList> ReadIndexLandmarks(IndexStore& store, const LandmarkListOptions& options) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Catalogue catalogue, Catalogue::Read(store, {}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects, ListObjects(store, catalogue, {}));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ListedObject> objects,
+                              ListObjects(store, catalogue, {.without_weak = true}));
   LandmarkList list;
   WarningList skipped;
   for (const ListedObject& listed : objects) {

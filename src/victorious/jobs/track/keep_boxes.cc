@@ -67,9 +67,9 @@ Expected<std::optional<std::int64_t>> FindSameTrack(const BoxTrack& track, const
   return most->first;
 }
 
-void AppendTrack(const BoxTrack& track, const VideoRecord& video, const ModelRecord& category, IndexBatch& batch) {
+IndexBatch BatchOf(const BoxTrack& track, const VideoRecord& video, const ModelRecord& category) {
   const auto& seen = track.sightings;
-  const std::size_t update = batch.tracklets.size();
+  IndexBatch batch;
   batch.tracklets.push_back(
       {.id = std::nullopt,
        .tracklet = {.video = video.id,
@@ -80,7 +80,7 @@ void AppendTrack(const BoxTrack& track, const VideoRecord& video, const ModelRec
                     .last_time_s = (*std::ranges::max_element(seen, {}, &BoxSighting::time_s))->time_s}});
   for (const BoxSighting* one : seen) {
     batch.sightings.push_back(
-        {.tracklet_update = update,
+        {.tracklet_update = 0,
          .sighting = {.video = video.id,
                       .model = category.id,
                       .frame = one->frame,
@@ -90,22 +90,43 @@ void AppendTrack(const BoxTrack& track, const VideoRecord& video, const ModelRec
                       .source = one->matches ? SightingSource::kRecognised : SightingSource::kTracked,
                       .observation = one->observation}});
   }
+  return batch;
 }
 
-// Adds the tracklets of the objects that these belong to.
-Status AddTrackletsOfObjects(std::set<std::int64_t>& tracklets, IndexStore& store) {
+// Its tracklet in a video: the one that is there already, or a new one.
+Expected<std::int64_t> PutTrack(const BoxTrack& track, const VideoRecord& video, const ModelRecord& category,
+                                IndexStore& store) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::int64_t> same, FindSameTrack(track, video, category, store));
+  if (same) return *same;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> added, store.Commit(BatchOf(track, video, category)));
+  return added.front();
+}
+
+// The object of these tracklets, and of all others of the objects that they belong to. Without a place, it keeps the
+// one that an object has.
+Expected<ObjectRecord> ObjectOf(const std::set<std::int64_t>& own, std::int64_t category,
+                                const std::optional<Geolocation>& place, IndexStore& store) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> records, store.Tracklets());
   std::set<std::int64_t> objects;
   for (const TrackletRecord& one : records) {
-    if (tracklets.contains(one.id)) objects.insert(one.object);
+    if (own.contains(one.id)) objects.insert(one.object);
   }
+  ObjectRecord joined{.model = category, .place = place};
   for (const TrackletRecord& one : records) {
-    if (objects.contains(one.object)) tracklets.insert(one.id);
+    if (objects.contains(one.object)) joined.tracklets.push_back(one.id);
   }
-  return {};
+  if (joined.tracklets.empty()) {
+    return Fail(ErrorCode::kConflict, "another process removed what was boxed: box it again");
+  }
+  joined.id = joined.tracklets.front();
+  for (const std::int64_t object : objects) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObjectRecord> before, store.Objects({.object = object}));
+    if (!joined.place && !before.empty()) joined.place = before.front().place;
+  }
+  return joined;
 }
 
-// Where it was seen last, if its place is known.
+// Where it was seen last, in the last video that tells it.
 std::optional<Geolocation> LastPlace(std::span<const BoxSighting> sightings, std::size_t box_index) {
   std::optional<Geolocation> place;
   for (const BoxSighting& one : sightings) {
@@ -143,35 +164,21 @@ Expected<std::vector<std::int64_t>> KeepBoxes(std::span<const BoxSighting> sight
     VICTORIOUS_ASSIGN_OR_RETURN(ModelRecord category, PutCategory(CategoryOfBox(box), store));
     categories.push_back(std::move(category));
   }
-  IndexBatch batch;
-  std::vector<std::size_t> box_of_added;
   std::vector<std::set<std::int64_t>> tracklets(boxes.size());
   for (const BoxTrack& track : TracksOf(sightings)) {
-    const ModelRecord& category = categories[track.box_index];
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::int64_t> same,
-                                FindSameTrack(track, videos[track.video], category, store));
-    if (same) {
-      tracklets[track.box_index].insert(*same);
-      continue;
-    }
-    AppendTrack(track, videos[track.video], category, batch);
-    box_of_added.push_back(track.box_index);
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t tracklet,
+                                PutTrack(track, videos[track.video], categories[track.box_index], store));
+    tracklets[track.box_index].insert(tracklet);
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> added, store.Commit(batch));
-  for (std::size_t i = 0; i < added.size(); ++i) tracklets[box_of_added[i]].insert(added[i]);
-  std::vector<ObjectRecord> objects;
+  std::vector<std::int64_t> objects;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     VICTORIOUS_CHECK(!tracklets[i].empty());
-    VICTORIOUS_RETURN_IF_ERROR(AddTrackletsOfObjects(tracklets[i], store));
-    objects.push_back({.id = *tracklets[i].begin(),
-                       .model = categories[i].id,
-                       .tracklets = {tracklets[i].begin(), tracklets[i].end()},
-                       .place = LastPlace(sightings, i)});
+    VICTORIOUS_ASSIGN_OR_RETURN(const ObjectRecord object,
+                                ObjectOf(tracklets[i], categories[i].id, LastPlace(sightings, i), store));
+    VICTORIOUS_RETURN_IF_ERROR(store.PutObjects(std::span(&object, 1)));
+    objects.push_back(object.id);
   }
-  VICTORIOUS_RETURN_IF_ERROR(store.PutObjects(objects));
-  std::vector<std::int64_t> ids;
-  for (const ObjectRecord& object : objects) ids.push_back(object.id);
-  return ids;
+  return objects;
 }
 
 }  // namespace victorious

@@ -2,8 +2,8 @@
 // and exported as those that a search found.
 //
 // A box belongs to the category "boxed/TYPE" of its type, without one to "boxed/object". Nothing searches for these
-// categories, and no model has such a name. Data association leaves them as they are: what the tracker found of a box, in
-// all of its videos, is one object, at the place that the job gave it.
+// categories, and no model has such a name. Data association leaves them as they are: what the tracker found of a box,
+// in all of its videos, is one object, at the place that the job gave it.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,9 @@ namespace victorious {
 [[nodiscard]] Expected<std::vector<VideoRecord>> FindTrackedVideos(std::span<const std::string> videos,
                                                                    IndexStore& store, const CancelToken& cancel);
 
-/// Enters the sightings, each box with one tracklet in each video that shows it. A box whose track in a video is there
-/// already, by this box or by another one, adds nothing there: done twice, it is as done once.
+/// Enters the sightings, each box with one tracklet in each video that shows it, in a transaction each. A box whose
+/// track in a video is there already, by this box or by another one, adds nothing there: done twice, or again after it
+/// was stopped, it is as done once.
 /// @param sightings  by video and frame; of each box, one or more
 /// @param videos     of FindTrackedVideos
 /// @return the object of each box

@@ -85,6 +85,15 @@ TEST_F(KeepBoxesTest, TwiceIsAsOnce) {
   EXPECT_THAT(store_->Objects({}).value(), SizeIs(3));
 }
 
+TEST_F(KeepBoxesTest, TwoBoxesOfOneObjectAreOne) {
+  See(0, 0, {10, 10, 40, 20});
+  See(1, 0, {12, 11, 40, 20});
+  const std::vector<std::int64_t> objects = Keep({{.box = {}, .type = "van"}, {.box = {}, .type = "van"}}).value();
+  ASSERT_THAT(objects, SizeIs(2));
+  EXPECT_EQ(objects[0], objects[1]);
+  EXPECT_THAT(store_->Sightings({}).value(), SizeIs(10));
+}
+
 TEST_F(KeepBoxesTest, IsOneObjectInAllVideosAtItsLastPlace) {
   See(0, 0, {10, 10, 40, 20});
   See(0, 1, {50, 10, 40, 20});
@@ -107,6 +116,10 @@ TEST_F(KeepBoxesTest, IsOneObjectInAllVideosAtItsLastPlace) {
   See(0, 2, {70, 10, 40, 20});
   EXPECT_EQ(Keep({{.box = {}, .type = "van"}}).value(), objects);
   EXPECT_THAT(store_->Objects({}).value().at(0).videos, SizeIs(3));
+  // Without telemetry, it keeps its place.
+  for (BoxSighting& one : sightings_) one.place.reset();
+  EXPECT_EQ(Keep({{.box = {}, .type = "van"}}).value(), objects);
+  EXPECT_TRUE(store_->Objects({}).value().at(0).place.has_value());
 }
 
 TEST_F(KeepBoxesTest, TheNameOfWhatIsSearchedForIsRefused) {

@@ -92,11 +92,11 @@ bool IsTable(const VideoRecord& video) {
   return beside && beside->extension() == ".csv";
 }
 
-// The tracklets of the store without content, by id, of each video; but for those of what people boxed, whose objects
-// are what they boxed.
-Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(const std::vector<ModelRecord>& models,
-                                                                              const std::vector<VideoRecord>& videos,
-                                                                              IndexStore& store) {
+// Tracklets without content, by id, of each video; but for those of what people boxed, whose objects are what they
+// boxed.
+std::map<std::int64_t, std::vector<ObservedTracklet>> ObservedOf(const std::vector<TrackletRecord>& records,
+                                                                 const std::vector<ModelRecord>& models,
+                                                                 const std::vector<VideoRecord>& videos) {
   std::set<std::int64_t> categories;
   std::set<std::int64_t> cad_models;
   std::set<std::int64_t> boxed;  // models
@@ -111,7 +111,6 @@ Expected<std::map<std::int64_t, std::vector<ObservedTracklet>>> ReadTracklets(co
     videos_by_id[video.id] = &video;
     if (IsTable(video)) with_tables.insert(video.id);
   }
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> records, store.Tracklets());
   std::map<std::int64_t, std::vector<ObservedTracklet>> flights;
   for (const TrackletRecord& record : records) {
     if (boxed.contains(record.model)) continue;
@@ -138,10 +137,12 @@ using TellOfVideo = std::function<void(const VideoRecord&, const FlightNotes&)>;
 
 Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& store, const KeptFits::Interim& interim,
                                    const TellOfVideo& tell) {
+  // Revisions are read before the sightings that they stand for: a later change gives them another key. So are
+  // tracklets before their models: one that another process adds now is not taken for what it is not.
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> records, store.Tracklets());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ModelRecord> models, store.Models());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store.Videos());
-  // Revisions are read before the sightings that they stand for: a later change gives them another key.
-  VICTORIOUS_ASSIGN_OR_RETURN(auto flights, ReadTracklets(models, videos, store));
+  auto flights = ObservedOf(records, models, videos);
   VICTORIOUS_ASSIGN_OR_RETURN(const auto fits, KeptFits::Load(options, store, interim));
   std::vector<const ObservedTracklet*> tracklets;
   for (auto& [video, of_one] : flights) {

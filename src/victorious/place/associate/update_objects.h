@@ -20,8 +20,9 @@ struct FlightNotes {
   std::vector<std::string> telemetry_errors;  ///< DescribeErrors(), if anything of it has a line of sight
 };
 
-/// Computes the objects of the whole index, but for those that people boxed, and stores them; corrects the yaw and the ranges of each flight by the
-/// errors on which its objects agree (flight_errors.h). The objects do not depend on what is kept.
+/// Computes the objects of the whole index, but for those that people boxed, and stores them; corrects the yaw and the
+/// ranges of each flight by the errors on which its objects agree (flight_errors.h). The objects do not depend on what
+/// is kept.
 /// Fits are stored each `interval` while it runs, so that a process that is killed, or cancelled, leaves them to the
 /// next.
 /// @param cancel  stops it at such a moment, with kCancelled, and long waiting for another process

@@ -1,7 +1,9 @@
 #include "victorious/show/export/export_coco.h"
 
 #include <cmath>
+#include <map>
 #include <ostream>
+#include <string>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,7 +28,22 @@ Json ImageJson(const CocoImage& image, std::size_t id, const VideoRecord& video)
           {"height", video.height},
           {"video", ShownName(video)},
           {"frame", image.frame},
-          {"time_s", TimeJson(image.time_s)}};
+          {"time_s", TimeJson(image.time_s)},
+          {"video_id", image.video},
+          {"frame_index", image.frame},
+          {"timestamp", TimeJson(image.time_s)}};
+}
+
+Json VideoJson(const VideoRecord& video) {
+  Json fps;
+  if (video.frame_count && video.duration_s && *video.frame_count > 1 && *video.duration_s > 0) {
+    fps = ScoreJson(static_cast<double>(*video.frame_count - 1) / *video.duration_s);
+  }
+  return {{"id", video.id},
+          {"name", ShownName(video)},
+          {"width", video.width},
+          {"height", video.height},
+          {"annotation_fps", fps}};
 }
 
 Json CategoriesJson(const std::vector<ModelRecord>& models) {
@@ -66,10 +83,13 @@ Status WriteCoco(const ExportRequest& request, std::ostream& out) {
   out << R"({"info":{"description":"sightings of victorious"},"licenses":[],"categories":)"
       << DumpJson(CategoriesJson(request.catalogue.models())) << R"(,"annotations":[)";
   std::vector<CocoImage> images;
+  std::map<std::int64_t, std::string> tracks;  // names, by object
   std::size_t annotations = 0;
   VICTORIOUS_RETURN_IF_ERROR(request.store.VisitSightings(request.filter, [&](SightingRecord&& sighting) {
     const VideoRecord* video = request.catalogue.Video(sighting.video);
-    if (video == nullptr || request.catalogue.Model(sighting.model) == nullptr) return true;
+    const ModelRecord* model = request.catalogue.Model(sighting.model);
+    if (video == nullptr || model == nullptr) return true;
+    tracks[sighting.object] = fmt::format("{} {}", model->name, sighting.object);
     if (images.empty() || images.back().video != sighting.video || images.back().frame != sighting.frame) {
       images.push_back({sighting.video, sighting.frame, sighting.time_s});
     }
@@ -78,7 +98,11 @@ Status WriteCoco(const ExportRequest& request, std::ostream& out) {
     out << DumpJson(AnnotationJson(sighting, *video, annotations, images.size()));
     return out.good();
   }));
-  out << R"(],"images":[)";
+  Json videos = Json::array();
+  for (const VideoRecord& video : request.catalogue.videos()) videos.push_back(VideoJson(video));
+  Json named = Json::array();
+  for (const auto& [object, name] : tracks) named.push_back({{"id", object}, {"name", name}});
+  out << fmt::format(R"(],"videos":{},"tracks":{},"images":[)", DumpJson(videos), DumpJson(named));
   for (std::size_t i = 0; i < images.size(); ++i) {
     out << (i > 0 ? ",\n" : "\n") << DumpJson(ImageJson(images[i], i + 1, *request.catalogue.Video(images[i].video)));
   }

@@ -144,9 +144,15 @@ TEST_F(ExportTest, CocoReferencesImagesAndCategories) {
   const json coco = json::parse(Text("coco"));
   ASSERT_EQ(coco["images"].size(), 3u);
   EXPECT_EQ(coco["images"][0], json::parse(R"({"id":1,"file_name":"flight/a.mp4/000037.png","width":640,"height":480,
-                                               "video":"flight/a.mp4","frame":37,"time_s":1.48})"));
+                                               "video":"flight/a.mp4","frame":37,"time_s":1.48,
+                                               "video_id":1,"frame_index":37,"timestamp":1.48})"));
   ASSERT_EQ(coco["categories"].size(), 2u);
   EXPECT_EQ(coco["categories"][0], json::parse(R"({"id":1,"name":"box","supercategory":""})"));
+  ASSERT_FALSE(coco["videos"].empty());
+  EXPECT_EQ(coco["videos"][0]["name"], "flight/a.mp4");
+  EXPECT_TRUE(coco["videos"][0].contains("annotation_fps"));
+  ASSERT_FALSE(coco["tracks"].empty());
+  EXPECT_EQ(coco["tracks"][0]["name"], "box 1");
   EXPECT_TRUE(coco["info"].is_object() && coco["licenses"].is_array()) << "COCO's own keys";
   ASSERT_EQ(coco["annotations"].size(), 3u);
   const json& first = coco["annotations"][0];
@@ -192,7 +198,8 @@ TEST_F(ExportTest, EmptyIndexGivesEmptyFiles) {
   EXPECT_EQ(Text("mot"), "");
   json coco = json::parse(Text("coco"));
   coco.erase("info");
-  EXPECT_EQ(coco, json::parse(R"({"licenses":[],"images":[],"annotations":[],"categories":[]})"));
+  EXPECT_EQ(coco,
+            json::parse(R"({"licenses":[],"images":[],"annotations":[],"categories":[],"videos":[],"tracks":[]})"));
 }
 
 TEST_F(ExportTest, EllipseIsSplitAtTheAntimeridian) {

@@ -19,11 +19,14 @@ Status AddVideos(IndexStore& store, const SightingFilter& filter, std::string_vi
   return {};
 }
 
+// True of a rejected object; one of which only the place is rejected is listed. Takes kPlaceReason twice.
+constexpr std::string_view kIsRejected =
+    "(coalesce(o.rejection_reason, '') <> '' AND substr(o.rejection_reason, 1, length(?)) <> ?)";
+
 void AddRejected(const SightingFilter& filter, Conditions& conditions) {
   if (filter.include_rejected) return;
   const std::string reason(kPlaceReason);
-  conditions.Add("(coalesce(o.rejection_reason, '') = '' OR substr(o.rejection_reason, 1, length(?)) = ?)", reason,
-                 reason);
+  conditions.Add(fmt::format("NOT {}", kIsRejected), reason, reason);
 }
 
 // Of objects that nobody has decided.
@@ -32,6 +35,14 @@ void AddThresholds(const SightingFilter& filter, Conditions& conditions) {
   conditions.Add(
       "(o.verdict IS NOT NULL OR o.order_score <= -coalesce((SELECT h.min_score FROM thresholds h JOIN models m ON "
       "m.name = h.model_name WHERE m.id = o.model_id), 0))");
+}
+
+void AddWeak(const SightingFilter& filter, Conditions& conditions) {
+  if (!filter.without_weak) return;
+  const std::string reason(kPlaceReason);
+  conditions.Add(
+      fmt::format("(o.verdict IS NOT NULL OR o.object_score IS NULL OR o.object_score >= ? OR {})", kIsRejected),
+      kWeakScore, reason, reason);
 }
 
 void AddModel(const SightingFilter& filter, std::string_view column, Conditions& conditions) {
@@ -64,6 +75,7 @@ Expected<Conditions> ObjectConditions(IndexStore& store, const SightingFilter& f
   AddModel(filter, "o.model_id", conditions);
   AddRejected(filter, conditions);
   AddThresholds(filter, conditions);
+  AddWeak(filter, conditions);
   if (filter.near) AddNear(dialect, *filter.near, PlacedObjects::kAll, conditions);
   conditions.AddQuery("o.id IN (SELECT object_id FROM tracklets {})", tracklet_conditions);
   if (filter.object) conditions.AddOneOf("o.id", {*filter.object});
@@ -82,6 +94,7 @@ Expected<Conditions> SightingConditions(IndexStore& store, const SightingFilter&
   AddTimes(filter, "s.time_s", "s.time_s", conditions);
   AddRejected(filter, conditions);
   AddThresholds(filter, conditions);
+  AddWeak(filter, conditions);
   if (filter.near) AddNear(dialect, *filter.near, PlacedObjects::kAll, conditions);
   // PostgreSQL has the sightings in parts by video: only those of the tracklets' videos are looked into.
   if (dialect == Dialect::kPostgres && (filter.object || filter.tracklet)) conditions.Add("s.video_id = t.video_id");
