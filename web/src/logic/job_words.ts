@@ -13,6 +13,12 @@ export function followedObject(job: Pick<Job, "kind" | "state" | "message">): nu
   return job.kind === "track" && job.state === "done" && object !== undefined ? Number(object) : null;
 }
 
+function describePlace(place: FollowedObject["place"], message: string): string {
+  if (place !== null) return place.ce90_m === null ? "" : `; 90 % within ${formatMetres(place.ce90_m)}`;
+  const why = /; no place: (.*)$/.exec(message)?.[1];
+  return why === undefined ? "; it has no place" : `; no place: ${why}`;
+}
+
 /** @param objects  that the video has now; null: not known. @param followed  what was boxed and followed; null: not known */
 export function describeDone(job: Pick<Job, "kind" | "message">, objects: number | null, followed: FollowedObject | null): string {
   const { kind, message } = job;
@@ -23,12 +29,9 @@ export function describeDone(job: Pick<Job, "kind" | "message">, objects: number
   }
   if (kind === "track") {
     if (followed === null) return "Followed";
-    const { first_time_s, last_time_s, place: at, speed_m_s } = followed;
-    const within = at?.ce90_m ?? null;
-    const why = /; no place: (.*)$/.exec(message)?.[1];
-    const place = at === null ? `; ${why === undefined ? "it has no place" : `no place: ${why}`}` : within === null ? "" : `; 90 % within ${formatMetres(within)}`;
+    const { first_time_s, last_time_s, place, speed_m_s } = followed;
     const speed = speed_m_s === null || speed_m_s === 0 ? "" : `, ${speed_m_s.toFixed(1)} m/s`;
-    return `Followed ${formatSpan(first_time_s, last_time_s)}${place}${speed}`;
+    return `Followed ${formatSpan(first_time_s, last_time_s)}${describePlace(place, message)}${speed}`;
   }
   return message;
 }

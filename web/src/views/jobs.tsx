@@ -65,6 +65,23 @@ function TurnModel({ name }: { name: string }) {
   );
 }
 
+/** Closes the panel, and goes to what a job has found. */
+function Show({ onClick }: { onClick: () => void }) {
+  return (
+    <div class="job-files">
+      <button
+        class="button"
+        onClick={() => {
+          jobs.isOpen.value = false;
+          onClick();
+        }}
+      >
+        Show
+      </button>
+    </div>
+  );
+}
+
 /** The way on from a search: to what it has found, or to a search that can find it. */
 function Found({ job }: { job: Job }) {
   const video = job.kind === "index" || job.kind === "live" ? jobs.videoOf(job) : null;
@@ -79,20 +96,11 @@ function Found({ job }: { job: Job }) {
     );
   }
   if (job.state !== "done" || video.objects === 0) return null;
-  return (
-    <div class="job-files">
-      <button
-        class="button"
-        onClick={() => {
-          jobs.isOpen.value = false;
-          state.setFilters({ ...NO_FILTERS, thresholds: state.filters.value.thresholds, video: video.id });
-          selection.stepToEnd("first");
-        }}
-      >
-        Show
-      </button>
-    </div>
-  );
+  const show = () => {
+    state.setFilters({ ...NO_FILTERS, thresholds: state.filters.value.thresholds, video: video.id });
+    selection.stepToEnd("first");
+  };
+  return <Show onClick={show} />;
 }
 
 /** The way on from a box that was followed: to the object that it has become. */
@@ -104,19 +112,7 @@ function ShowFollowed({ job }: { job: Job }) {
     if (id !== null) needObjects([id]).catch(notifyError);
   }, [id, version]);
   if (id === null || objectOf(id) === undefined) return null;
-  return (
-    <div class="job-files">
-      <button
-        class="button"
-        onClick={() => {
-          jobs.isOpen.value = false;
-          selection.select(id, { push: true });
-        }}
-      >
-        Show
-      </button>
-    </div>
-  );
+  return <Show onClick={() => selection.select(id, { push: true })} />;
 }
 
 function Row({ job }: { job: Job }) {
