@@ -124,22 +124,39 @@ Polygon RectangleOf(const Polygon& outline) {
   return rectangle;
 }
 
-FlowPyramid PyramidOf(const cv::Mat& bgr, double small_from_frame) {
+double SmallFromFrame(const cv::Size& size) {
+  return std::min(1.0, kFlowLongSide_px / std::max(size.width, size.height));
+}
+
+cv::Mat GreyOf(const cv::Mat& bgr) {
+  VICTORIOUS_CHECK(bgr.type() == CV_8UC3);
   cv::Mat grey;
   cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
-  if (small_from_frame < 1) cv::resize(grey, grey, {}, small_from_frame, small_from_frame, cv::INTER_AREA);
-  return FlowPyramid(grey, kFlow);
+  return grey;
+}
+
+FlowPyramid PyramidOf(const cv::Mat& grey) {
+  const double small_from_frame = SmallFromFrame(grey.size());
+  cv::Mat small = grey;
+  if (small_from_frame < 1) cv::resize(grey, small, {}, small_from_frame, small_from_frame, cv::INTER_AREA);
+  return FlowPyramid(small, kFlow);
 }
 
 // Smooths the two chromas, so that a colour on the border of a bin counts for both.
 void SmoothChroma(std::vector<double>& colours) {
-  cv::Mat planes(kLightBins * kChromaBins, kChromaBins, CV_64FC1, colours.data());
-  for (int light = 0; light < kLightBins; ++light) {
-    cv::Mat plane = planes.rowRange(light * kChromaBins, (light + 1) * kChromaBins);
-    const cv::Mat kernel = (cv::Mat_<double>(1, 3) << 0.25, 0.5, 0.25);
-    cv::Mat smooth;
-    cv::sepFilter2D(plane.clone(), smooth, -1, kernel, kernel, {-1, -1}, 0, cv::BORDER_CONSTANT);
-    smooth.copyTo(plane);
+  const auto smooth = [&](std::size_t first, std::size_t stride) {
+    double before = 0;
+    for (std::size_t i = 0; i < kChromaBins; ++i) {
+      double& here = colours[first + i * stride];
+      const double after = i + 1 < kChromaBins ? colours[first + (i + 1) * stride] : 0;
+      const double smoothed = 0.25 * before + 0.5 * here + 0.25 * after;
+      before = std::exchange(here, smoothed);
+    }
+  };
+  for (std::size_t plane = 0; plane < kLightBins; ++plane) {
+    const std::size_t first = plane * kChromaBins * kChromaBins;
+    for (std::size_t i = 0; i < kChromaBins; ++i) smooth(first + i * kChromaBins, 1);
+    for (std::size_t i = 0; i < kChromaBins; ++i) smooth(first + i, kChromaBins);
   }
 }
 
@@ -179,37 +196,54 @@ cv::Mat BinsOf(const cv::Mat& bgr) {
   return bins;
 }
 
-// The box with the largest sum of `log_ratios`, less the penalty.
-Box BestBox(const cv::Mat& log_ratios, const Box& expected) {
+// One side of a box: the pixels from `first` to before `end`.
+struct Side {
+  int first = 0;
+  int end = 0;
+  double from = 0;
+  double length = 0;
+  double penalty = 0;
+};
+
+// The sides of all boxes that are tried, in one direction. @param pixels  of the image
+std::vector<Side> SidesNear(double expected_from, double expected_length, int pixels) {
   constexpr double kSizeStep = 0.08;
   constexpr double kShiftStep = 0.07;
+  const auto pixel = [&](double at) { return std::clamp(static_cast<int>(std::lround(at)), 0, pixels); };
+  std::vector<Side> sides;
+  for (double size = kMinSize; size < kMaxSize + kSizeStep / 2; size += kSizeStep) {
+    const double size_penalty = std::pow(std::log(size), 2) / 0.2;
+    for (double shift = -kMaxShift; shift < kMaxShift + kShiftStep / 2; shift += kShiftStep) {
+      const double from = expected_from + (0.5 + shift - size / 2) * expected_length;
+      const double length = size * expected_length;
+      sides.push_back({.first = pixel(from),
+                       .end = pixel(from + length),
+                       .from = from,
+                       .length = length,
+                       .penalty = size_penalty + shift * shift / (kMaxShift * kMaxShift)});
+    }
+  }
+  return sides;
+}
+
+// The box with the largest sum of `log_ratios`, less the penalty.
+Box BestBox(const cv::Mat& log_ratios, const Box& expected) {
   cv::Mat sums;
   cv::integral(log_ratios, sums, CV_64F);
-  const auto column = [&](double x) { return std::clamp(static_cast<int>(std::lround(x)), 0, log_ratios.cols); };
-  const auto row = [&](double y) { return std::clamp(static_cast<int>(std::lround(y)), 0, log_ratios.rows); };
+  const std::vector<Side> columns = SidesNear(expected.x, expected.width, log_ratios.cols);
+  const std::vector<Side> rows = SidesNear(expected.y, expected.height, log_ratios.rows);
+  const double weight = kPenalty * expected.Area();
   Box best = expected;
   double best_value = -std::numeric_limits<double>::infinity();
-  for (double size_x = kMinSize; size_x < kMaxSize + kSizeStep / 2; size_x += kSizeStep) {
-    for (double size_y = kMinSize; size_y < kMaxSize + kSizeStep / 2; size_y += kSizeStep) {
-      const double size_penalty = (std::pow(std::log(size_x), 2) + std::pow(std::log(size_y), 2)) / 0.2;
-      for (double shift_x = -kMaxShift; shift_x < kMaxShift + kShiftStep / 2; shift_x += kShiftStep) {
-        for (double shift_y = -kMaxShift; shift_y < kMaxShift + kShiftStep / 2; shift_y += kShiftStep) {
-          const Box box{expected.x + (0.5 + shift_x - size_x / 2) * expected.width,
-                        expected.y + (0.5 + shift_y - size_y / 2) * expected.height, size_x * expected.width,
-                        size_y * expected.height};
-          const int left = column(box.x);
-          const int right = column(box.x + box.width);
-          const int top = row(box.y);
-          const int bottom = row(box.y + box.height);
-          const double sum = sums.at<double>(bottom, right) - sums.at<double>(top, right) -
-                             sums.at<double>(bottom, left) + sums.at<double>(top, left);
-          const double shift_penalty = (shift_x * shift_x + shift_y * shift_y) / (kMaxShift * kMaxShift);
-          const double value = sum - kPenalty * expected.Area() * (shift_penalty + size_penalty);
-          if (value > best_value) {
-            best_value = value;
-            best = box;
-          }
-        }
+  for (const Side& row : rows) {
+    const auto* const top = sums.ptr<double>(row.first);
+    const auto* const bottom = sums.ptr<double>(row.end);
+    for (const Side& column : columns) {
+      const double sum = bottom[column.end] - top[column.end] - bottom[column.first] + top[column.first];
+      const double value = sum - weight * (row.penalty + column.penalty);
+      if (value > best_value) {
+        best_value = value;
+        best = {column.from, row.from, column.length, row.length};
       }
     }
   }
@@ -280,20 +314,21 @@ cv::Mat InnerMask(const cv::Size& size, const Box& box) {
 
 }  // namespace
 
-SurroundTracker::SurroundTracker(const cv::Mat& bgr, const Polygon& outline) {
-  VICTORIOUS_CHECK(bgr.type() == CV_8UC3);
+SurroundFrame::SurroundFrame(const cv::Mat& image) : bgr(image), grey(GreyOf(image)), pyramid(PyramidOf(grey)) {}
+
+SurroundTracker::SurroundTracker(const SurroundFrame& frame, const Polygon& outline) {
   if (outline.size() < 3 || std::abs(SignedArea(outline)) < 1) return;
   const Polygon place = RectangleOf(outline);
-  small_from_frame_ = std::min(1.0, kFlowLongSide_px / std::max(bgr.cols, bgr.rows));
-  last_ = PyramidOf(bgr, small_from_frame_);
+  small_from_frame_ = SmallFromFrame(frame.bgr.size());
+  last_ = frame.pyramid;
   last_place_ = place;
   SetReference(*last_, place);
-  const Cutout cutout = CutOut(bgr, place);
+  const Cutout cutout = CutOut(frame.bgr, place);
   if (cutout.bins.empty()) return;
   first_colours_ = CountColours(cutout.bins, cutout.radii < kOnObject);
   recent_colours_ = first_colours_;
   first_contrast_ = 1;
-  std::optional<SurroundStep> first = Measure(bgr, place);
+  std::optional<SurroundStep> first = Measure(frame.bgr, place);
   if (!first || first->contrast < kMinFirstContrast) return;
   first_contrast_ = std::exchange(first->contrast, 1);
   first_ = std::move(first);
@@ -329,22 +364,21 @@ std::optional<Eigen::Matrix3d> SurroundTracker::MeasureMotion(const FlowPyramid&
   return fit->model;
 }
 
-std::optional<SurroundStep> SurroundTracker::Step(const cv::Mat& bgr) {
+std::optional<SurroundStep> SurroundTracker::Step(const SurroundFrame& frame) {
   if (!first_) return std::nullopt;
-  const FlowPyramid now = PyramidOf(bgr, small_from_frame_);
-  std::optional<Eigen::Matrix3d> motion = MeasureMotion(now);
+  std::optional<Eigen::Matrix3d> motion = MeasureMotion(frame.pyramid);
   if (!motion) {
     SetReference(*last_, last_place_);
-    motion = MeasureMotion(now);
+    motion = MeasureMotion(frame.pyramid);
     if (!motion) return std::nullopt;
   }
   now_from_reference_ = *motion;
   Polygon place;
   for (const Eigen::Vector2d& corner : reference_place_)
     place.push_back(Moved(now_from_reference_, small_from_frame_ * corner) / small_from_frame_);
-  last_ = now;
+  last_ = frame.pyramid;
   last_place_ = place;
-  return Measure(bgr, place);
+  return Measure(frame.bgr, place);
 }
 
 SurroundTracker::Cutout SurroundTracker::CutOut(const cv::Mat& bgr, const Polygon& place) {

@@ -4,20 +4,16 @@
 //
 // Method:
 // 1. Place: corners around the object are tracked by Lucas-Kanade from a reference frame (flow.h); MLESAC fits an
-// affine
-//    map, which moves the first outline. The reference is renewed once half of its corners are lost, so that errors add
-//    up per reference, not per frame. The ellipse inscribed in the moved outline bounds the expected box.
+//    affine map, which moves the first outline. The reference is renewed once half of its corners are lost, so that
+//    errors add up per reference, not per frame. The ellipse inscribed in the moved outline bounds the expected box.
 // 2. Box: each pixel has the logarithm of the ratio of its colour's frequencies on the object and around it, clipped.
-// The
-//    box near the expected one with the largest sum wins; a quadratic penalty holds its centre and size. So the box
+//    The box near the expected one with the largest sum wins; a quadratic penalty holds its centre and size. So the box
 //    follows the object's body, which the motion of the ground does not show. It is then extended as far as the
 //    object's colours go on in the turned outline, and the hull of these colours is the outline.
 // 3. Contrast: the mean of the logarithms in the box, less that around it, over the same in the first frame.
 // 4. Planar parallax: with A the linear part of the ground's motion between two frames, the offset o of the box from
-// the
-//    place obeys |o2 - A o1| <= h |I - A| + tolerance if the object stands still; its height in the image, h, is at
-//    most
-//    that of the box. Else it moves by itself.
+//    the place obeys |o2 - A o1| <= h |I - A| + tolerance if the object stands still; its height in the image, h, is at
+//    most that of the box. Else it moves by itself.
 //
 // The colours of the object are those of the first frame and of the last frames, half each.
 #pragma once
@@ -46,20 +42,30 @@ struct SurroundStep {
   bool moves_over_ground = false;  ///< more than a thing of its height that stands still would seem to
 };
 
+/// A frame as trackers need it: made once, shared by all.
+struct SurroundFrame {
+  cv::Mat bgr;          ///< CV_8UC3
+  cv::Mat grey;         ///< CV_8UC1
+  FlowPyramid pyramid;  ///< of the grey image, or of a smaller one
+
+  /// @param image  CV_8UC3; shared, not copied
+  explicit SurroundFrame(const cv::Mat& image);
+};
+
 /// Deterministic. Not thread-safe.
 class SurroundTracker {
  public:
-  /// @param bgr      CV_8UC3, the first frame
+  /// @param frame    the first one
   /// @param outline  of the object in it, px; of 4 corners in order, or else its smallest rectangle is taken
-  SurroundTracker(const cv::Mat& bgr, const Polygon& outline);
+  SurroundTracker(const SurroundFrame& frame, const Polygon& outline);
 
   /// In the first frame. std::nullopt if the object cannot be told from what is around it by its colours.
   [[nodiscard]] const std::optional<SurroundStep>& first() const { return first_; }
 
   /// Tracks the object into the next frame, in either order of time.
   /// @return std::nullopt if the surroundings are lost, or the object is not in the frame: it cannot be followed
-  /// further Cost: about 5 ms at any size of frame and object.
-  std::optional<SurroundStep> Step(const cv::Mat& bgr);
+  /// further. Cost: about 2 ms at any size of frame and object.
+  std::optional<SurroundStep> Step(const SurroundFrame& frame);
 
  private:
   // Frequencies of colours, that sum to 1.

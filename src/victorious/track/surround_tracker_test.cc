@@ -47,12 +47,12 @@ class RoofInTown {
 
 TEST(SurroundTracker, HoldsAPlainObjectThroughATurnOfTheCamera) {
   const RoofInTown scene;
-  SurroundTracker tracker(scene.Draw(0, 1), RoofInTown::Outline(0, 1));
+  SurroundTracker tracker(SurroundFrame(scene.Draw(0, 1)), RoofInTown::Outline(0, 1));
   ASSERT_TRUE(tracker.first());
   EXPECT_EQ(tracker.first()->contrast, 1);
   for (int i = 1; i <= 60; ++i) {
     const double scale = 1 + 0.005 * i;
-    const auto step = tracker.Step(scene.Draw(3 * i, scale));
+    const auto step = tracker.Step(SurroundFrame(scene.Draw(3 * i, scale)));
     ASSERT_TRUE(step) << i;
     EXPECT_GT(IntersectionOverUnion(step->place, RoofInTown::Outline(3 * i, scale)), 0.8) << i;
     // Of a flat rectangle that has turned by 45 degrees, the box of the inscribed ellipse is half the bounding box.
@@ -67,31 +67,31 @@ TEST(SurroundTracker, HoldsAPlainObjectThroughATurnOfTheCamera) {
 TEST(SurroundTracker, ContrastFallsOnceTheObjectHasGone) {
   const RoofInTown with;
   const RoofInTown without({-1, -1, -1});
-  SurroundTracker tracker(with.Draw(0, 1), RoofInTown::Outline(0, 1));
-  ASSERT_TRUE(tracker.Step(with.Draw(2, 1)));
-  const auto step = tracker.Step(without.Draw(4, 1));
+  SurroundTracker tracker(SurroundFrame(with.Draw(0, 1)), RoofInTown::Outline(0, 1));
+  ASSERT_TRUE(tracker.Step(SurroundFrame(with.Draw(2, 1))));
+  const auto step = tracker.Step(SurroundFrame(without.Draw(4, 1)));
   ASSERT_TRUE(step) << "its surroundings are there";
   EXPECT_LT(step->contrast, 0.4);
 }
 
 TEST(SurroundTracker, ACutEndsTheTrack) {
   const RoofInTown scene;
-  SurroundTracker tracker(scene.Draw(0, 1), RoofInTown::Outline(0, 1));
+  SurroundTracker tracker(SurroundFrame(scene.Draw(0, 1)), RoofInTown::Outline(0, 1));
   cv::Mat other;
   cv::warpAffine(testing::DrawTown({900, 900}, 77), other, cv::getRotationMatrix2D({450, 450}, 30, 1), {360, 240});
-  EXPECT_FALSE(tracker.Step(other));
+  EXPECT_FALSE(tracker.Step(SurroundFrame(other)));
 }
 
 TEST(SurroundTracker, LosesAnObjectThatLeavesTheFrame) {
   const RoofInTown scene;
   const cv::Mat frame = scene.Draw(0, 1);
-  SurroundTracker tracker(frame, RoofInTown::Outline(0, 1));
+  SurroundTracker tracker(SurroundFrame(frame), RoofInTown::Outline(0, 1));
   int steps = 0;
   for (; steps < 40; ++steps) {
     cv::Mat moved;
     cv::warpAffine(frame, moved, cv::Matx23d(1, 0, 8.0 * (steps + 1), 0, 1, 0), frame.size(), cv::INTER_LINEAR,
                    cv::BORDER_REFLECT);
-    if (!tracker.Step(moved)) break;
+    if (!tracker.Step(SurroundFrame(moved))) break;
   }
   EXPECT_GT(steps, 12);
   EXPECT_LT(steps, 30);
@@ -99,9 +99,9 @@ TEST(SurroundTracker, LosesAnObjectThatLeavesTheFrame) {
 
 TEST(SurroundTracker, AnEmptyOutlineIsNotFollowed) {
   const RoofInTown scene;
-  SurroundTracker tracker(scene.Draw(0, 1), {});
+  SurroundTracker tracker(SurroundFrame(scene.Draw(0, 1)), {});
   EXPECT_FALSE(tracker.first());
-  EXPECT_FALSE(tracker.Step(scene.Draw(0, 1)));
+  EXPECT_FALSE(tracker.Step(SurroundFrame(scene.Draw(0, 1))));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "victorious/jobs/index/grow_results.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <ranges>
@@ -19,60 +20,6 @@ namespace victorious {
 namespace {
 
 constexpr int kGrowMemory_mb = 256;  // of frames
-constexpr std::int64_t kBlock = 32;  // frames that are entered at once
-
-// The frames that growth looks at, in blocks; the last two of them are kept, so that both directions and all tracklets
-// share what is read.
-class GrowthFrames {
- public:
-  GrowthFrames(const IndexPass& pass, std::span<const double> times_s, const CancelToken& cancel)
-      : times_s_(times_s), reader_(pass.job.video, times_s, kGrowMemory_mb, cancel) {
-    const std::int64_t frame_bytes = std::int64_t{3} * pass.video.width * pass.video.height;
-    const std::int64_t max_kept = (std::int64_t{kGrowMemory_mb} << 20) / std::max<std::int64_t>(1, 2 * frame_bytes);
-    std::int64_t kept = 0;
-    for (std::int64_t frame = 0; frame < std::ssize(times_s); ++frame) {
-      if (!IsGrowthStep(times_s, frame)) continue;
-      if (kept++ % std::max<std::int64_t>(4, max_kept) == 0) starts_.push_back(frame);
-    }
-  }
-
-  Expected<std::vector<Frame>> Read(std::int64_t first, std::int64_t end) {
-    if (end - first == 1 && !IsGrowthStep(times_s_, first)) return reader_.ReadInterval(first, end);
-    std::vector<Frame> frames;
-    for (auto start = std::ranges::upper_bound(starts_, first) - 1; start != starts_.end() && *start < end; ++start) {
-      VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Frame>* block, Block(start));
-      std::ranges::copy_if(*block, std::back_inserter(frames),
-                           [&](const Frame& one) { return one.index >= first && one.index < end; });
-    }
-    return frames;
-  }
-
- private:
-  struct KeptBlock {
-    std::int64_t start = 0;
-    std::vector<Frame> frames;
-  };
-
-  Expected<const std::vector<Frame>*> Block(std::vector<std::int64_t>::const_iterator start) {
-    const auto kept = std::ranges::find(kept_, *start, &KeptBlock::start);
-    if (kept != kept_.end()) {
-      std::rotate(kept_.begin(), kept, kept + 1);
-      return &kept_.front().frames;
-    }
-    if (kept_.size() == 2) kept_.pop_back();
-    const std::int64_t end = start + 1 == starts_.end() ? std::ssize(times_s_) : *(start + 1);
-    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<Frame> frames, reader_.ReadInterval(*start, end, [&](std::int64_t frame) {
-      return IsGrowthStep(times_s_, frame);
-    }));
-    kept_.insert(kept_.begin(), {.start = *start, .frames = std::move(frames)});
-    return &kept_.front().frames;
-  }
-
-  std::span<const double> times_s_;
-  ReverseFrameReader reader_;
-  std::vector<std::int64_t> starts_;  // of the blocks
-  std::vector<KeptBlock> kept_;       // the last used one first
-};
 
 // Places of one model's tracklets, by their own sightings.
 class GrowthPlaces {
@@ -164,35 +111,52 @@ bool MayGrow(const IndexPass& pass, bool is_live) {
 Status GrowResults(const IndexPass& pass, std::span<const double> times_s, std::int64_t end, const CancelToken& cancel,
                    IndexStore& store, IndexBatch& batch) {
   const StageScope scope(Stage::kTracking);
+  // What one model found.
+  struct Found {
+    std::size_t model = 0;  // of the recogniser
+    std::vector<TrackletRecord> tracklets;
+    std::vector<SightingRecord> sightings;
+    GrowthPlaces places;
+  };
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> all, store.Tracklets());
-  GrowthFrames frames(pass, times_s, cancel);
-  const ReadFrames read = [&](std::int64_t first, std::int64_t last) { return frames.Read(first, last); };
-  for (std::size_t m = 0; m < pass.recognizer.models().size(); ++m) {
-    const ObjectModel& model = pass.recognizer.models()[m];
-    const SearchRecord& search = pass.searches[m];
-    if (model.kind != ModelKind::kPhotos) continue;
+  const std::vector<ObjectModel>& models = pass.recognizer.models();
+  std::vector<Found> found;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    if (models[m].kind != ModelKind::kPhotos) continue;
     std::vector<TrackletRecord> tracklets;
     std::ranges::copy_if(all, std::back_inserter(tracklets), [&](const TrackletRecord& one) {
-      return one.video == pass.video.id && one.model == search.model;
+      return one.video == pass.video.id && one.model == pass.searches[m].model;
     });
     if (tracklets.empty()) continue;
     VICTORIOUS_ASSIGN_OR_RETURN(
-        const std::vector<SightingRecord> sightings,
-        store.Sightings({.model_name = model.name, .include_rejected = true, .video = pass.video.id}));
-    const GrowthPlaces places(pass, times_s, sightings);
-    const GrowthInput input{.model = model,
-                            .tracklets = tracklets,
-                            .sightings = sightings,
-                            .times_s = times_s,
-                            .end = std::min<std::int64_t>(end, std::ssize(times_s)),
-                            .extractor = pass.extractor,
-                            .recognize = pass.options.recognize,
-                            .options = pass.options.grow,
-                            .is_plausible = [&](std::int64_t tracklet, std::int64_t frame, const Box& box) {
-                              return places.IsPlausible(tracklet, frame, box);
-                            }};
-    VICTORIOUS_ASSIGN_OR_RETURN(TrackGrowth growth, GrowTracks(input, read, kBlock, cancel));
-    AppendGrowth(pass, search, times_s, tracklets, places, std::move(growth), batch);
+        std::vector<SightingRecord> sightings,
+        store.Sightings({.model_name = models[m].name, .include_rejected = true, .video = pass.video.id}));
+    GrowthPlaces places(pass, times_s, sightings);
+    found.push_back({m, std::move(tracklets), std::move(sightings), std::move(places)});
+  }
+  std::vector<GrowthInput> inputs;
+  for (const Found& one : found) {
+    inputs.push_back({.model = models[one.model],
+                      .tracklets = one.tracklets,
+                      .sightings = one.sightings,
+                      .extractor = pass.extractor,
+                      .recognize = pass.options.recognize,
+                      .options = pass.options.grow,
+                      .is_plausible = [&](std::int64_t tracklet, std::int64_t frame, const Box& box) {
+                        return one.places.IsPlausible(tracklet, frame, box);
+                      }});
+  }
+  const std::int64_t frame_bytes = std::max<std::int64_t>(1, std::int64_t{3} * pass.video.width * pass.video.height);
+  const ReverseFrameReader reader(pass.job.video, times_s, kGrowMemory_mb, cancel);
+  const GrowthVideo video{.times_s = times_s,
+                          .end = std::min<std::int64_t>(end, std::ssize(times_s)),
+                          .frame = FrameBox(pass.video.width, pass.video.height),
+                          .read = std::bind_front(&ReverseFrameReader::ReadInterval, &reader),
+                          .max_wanted = std::max<std::int64_t>(4, (std::int64_t{kGrowMemory_mb} << 20) / frame_bytes)};
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackGrowth> growths, GrowTracks(video, inputs, cancel));
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    AppendGrowth(pass, pass.searches[found[i].model], times_s, found[i].tracklets, found[i].places,
+                 std::move(growths[i]), batch);
   }
   return {};
 }

@@ -13,6 +13,8 @@
 // alone, and after twice that the object is given up. An object that moves by itself is given up too, and what was
 // added since it was last recognised is removed. Sightings between two frames that are looked at are interpolated.
 //
+// A tracklet that has a sighting in each frame until its object leaves the view, or the video ends, is not followed.
+//
 // What is found depends on the stored sightings and the video only: not on interruptions, nor on who searched it.
 #pragma once
 
@@ -28,6 +30,7 @@
 #include "victorious/base/options.h"
 #include "victorious/geometry/box.h"
 #include "victorious/geometry/polygon.h"
+#include "victorious/jobs/index/view_chain.h"
 #include "victorious/object/features/feature_extractor.h"
 #include "victorious/search/recognize/recognizer.h"
 #include "victorious/types/frame.h"
@@ -37,7 +40,7 @@
 namespace victorious {
 
 struct GrowOptions {
-  bool enabled = false;
+  bool enabled = true;
   double max_lost_s = 5;
   /// Fewest recognitions of a tracklet that is followed, and least score of the best one: a false recognition seldom
   /// has either. Not user parameters.
@@ -45,15 +48,6 @@ struct GrowOptions {
   double min_score = 0.99;
 
   void ListFields(FieldList& fields);
-};
-
-/// A view that was learnt from a frame.
-struct LearntView {
-  std::int64_t frame = 0;
-  Box box;                            ///< of the object in the frame, px
-  Polygon outline;                    ///< px, likewise: what lies outside is not part of the view
-  std::optional<std::size_t> parent;  ///< index of the older learnt view; std::nullopt: a photo
-  double probability = 0;             ///< that it shows the object that the photo shows
 };
 
 /// A sighting that growth adds.
@@ -71,7 +65,7 @@ struct TrackGrowth {
   /// Tracklets that are one object: the second one becomes a part of the first, whose id is lower. At most one entry of
   /// a second one, and no first one is another's second.
   std::vector<std::pair<std::int64_t, std::int64_t>> joined;
-  std::vector<LearntView> views;
+  std::vector<LearntView> views;  ///< of all tracklets
 };
 
 /// The tracklets of one model in one video.
@@ -79,8 +73,6 @@ struct GrowthInput {
   const ObjectModel& model;  ///< of photos
   std::span<const TrackletRecord> tracklets;
   std::span<const SightingRecord> sightings;  ///< of the tracklets, by frame
-  std::span<const double> times_s;            ///< of all frames of the video
-  std::int64_t end = 0;                       ///< frames from here on are not searched
   const FeatureExtractor& extractor;
   const RecognizeOptions& recognize;
   const GrowOptions& options;
@@ -88,16 +80,27 @@ struct GrowthInput {
   std::function<bool(std::int64_t tracklet, std::int64_t frame, const Box& box)> is_plausible = {};
 };
 
+/// The frames [first, end) for which `is_wanted` is true, in colour and in order.
+using ReadFrames = std::function<Expected<std::vector<Frame>>(std::int64_t first, std::int64_t end,
+                                                              const std::function<bool(std::int64_t)>& is_wanted)>;
+
+struct GrowthVideo {
+  std::span<const double> times_s;  ///< of all frames, s, ascending
+  std::int64_t end = 0;             ///< frames from here on are not searched
+  Box frame;                        ///< of any frame, px
+  ReadFrames read;
+  std::int64_t max_wanted = 1;  ///< largest number of wanted frames to ask for at once
+};
+
 /// True if growth looks at a frame: the first one of each 0.15 s, and the last. @param times_s  of all frames
 [[nodiscard]] bool IsGrowthStep(std::span<const double> times_s, std::int64_t frame);
 
-/// Frames of the video in colour. @return those of [first, end) that growth looks at; any if it is one frame only
-using ReadFrames = std::function<Expected<std::vector<Frame>>(std::int64_t first, std::int64_t end)>;
-
-/// Deterministic. Reads only frames near the tracklets that are followed.
-/// @param block  largest number of frames to ask for at once
+/// Goes once forward and once backward through the parts of the video that are near tracklets which are followed, for
+/// all models at once. Deterministic.
+/// @return one for each input
 /// Errors: those of `read`, of feature extraction and of Recognizer::Create; kCancelled.
-[[nodiscard]] Expected<TrackGrowth> GrowTracks(const GrowthInput& input, const ReadFrames& read, std::int64_t block,
-                                               const CancelToken& cancel);
+[[nodiscard]] Expected<std::vector<TrackGrowth>> GrowTracks(const GrowthVideo& video,
+                                                            std::span<const GrowthInput> inputs,
+                                                            const CancelToken& cancel);
 
 }  // namespace victorious

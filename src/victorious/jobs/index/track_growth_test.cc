@@ -11,11 +11,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/drawn_flight.h"
-#include "testing/drawn_town.h"
 #include "testing/fault_injecting_store.h"
-#include "victorious/base/random.h"
 #include "victorious/jobs/index/indexer_test.h"
-#include "victorious/object/model/photo_model.h"
+#include "victorious/jobs/turning_scene_test.h"
 
 namespace victorious {
 namespace {
@@ -27,98 +25,6 @@ using ::testing::IsEmpty;
 using testing::SightingsOf;
 using ::testing::SizeIs;
 
-constexpr int kFrames = 80;
-constexpr int kPhotoFrame = 40;
-constexpr double kFrame_s = 0.5;
-
-struct StandingObject {
-  cv::Point2d at;  // centre, px of the town
-  std::function<bool(int frame)> is_there = [](int) { return true; };
-  cv::Point2d velocity = {0, 0};  // px of the town a frame
-};
-
-// Objects that stand on a town, from a camera that turns above it. Each shows a part of a strip that moves on with
-// time, so that a view shares nothing with that of some 40 frames before: what a camera sees that circles around.
-class TurningScene {
- public:
-  // @param turn_px  by which the strip moves on from frame to frame
-  explicit TurningScene(std::vector<StandingObject> objects = {StandingObject{.at = {450, 450}}}, int turn_px = 2)
-      : objects_(std::move(objects)),
-        turn_px_(turn_px),
-        town_(testing::DrawTown({900, 900}, 6)),
-        strip_(kHeight, turn_px * kFrames + kWidth, CV_8UC3) {
-    Random random(3);
-    const std::array<cv::Scalar, 4> colours = {cv::Scalar(40, 40, 200), cv::Scalar(20, 10, 110),
-                                               cv::Scalar(90, 60, 240), cv::Scalar(60, 20, 160)};
-    strip_.setTo(colours[0]);
-    for (int i = 0; i < 3 * strip_.cols; ++i) {
-      const cv::Rect patch(static_cast<int>(random.Below(static_cast<std::uint64_t>(strip_.cols))),
-                           static_cast<int>(random.Below(kHeight)), 3 + static_cast<int>(random.Below(10)),
-                           3 + static_cast<int>(random.Below(10)));
-      cv::rectangle(strip_, patch, colours[random.Below(4)], cv::FILLED);
-    }
-    cv::GaussianBlur(strip_, strip_, {}, 0.7);
-  }
-
-  [[nodiscard]] cv::Mat Draw(int frame) const {
-    cv::Mat town = town_.clone();
-    for (const StandingObject& object : objects_) {
-      const cv::Mat view = strip_.colRange(turn_px_ * frame, turn_px_ * frame + kWidth);
-      if (object.is_there(frame)) view.copyTo(town(PlaceOf(object, frame)));
-    }
-    cv::Mat image;
-    cv::warpAffine(town, image, MapOf(frame), {kImageWidth, kImageHeight});
-    return image;
-  }
-
-  [[nodiscard]] Polygon OutlineOf(std::size_t object, int frame) const {
-    const cv::Rect place = PlaceOf(objects_[object], frame);
-    const cv::Matx23d map = MapOf(frame);
-    Polygon outline = BoxCorners({static_cast<double>(place.x), static_cast<double>(place.y), kWidth, kHeight});
-    for (Eigen::Vector2d& corner : outline) {
-      const cv::Vec2d moved = map * cv::Vec3d(corner.x(), corner.y(), 1);
-      corner = {moved[0], moved[1]};
-    }
-    return outline;
-  }
-  [[nodiscard]] Box BoxOf(std::size_t object, int frame) const { return BoundingBox(OutlineOf(object, frame)); }
-
-  static constexpr int kImageWidth = 400;
-  static constexpr int kImageHeight = 300;
-
- private:
-  static constexpr int kWidth = 84;
-  static constexpr int kHeight = 56;
-
-  static cv::Rect PlaceOf(const StandingObject& object, int frame) {
-    return {static_cast<int>(std::lround(object.at.x + frame * object.velocity.x)) - kWidth / 2,
-            static_cast<int>(std::lround(object.at.y + frame * object.velocity.y)) - kHeight / 2, kWidth, kHeight};
-  }
-  static cv::Matx23d MapOf(int frame) {
-    cv::Mat map = cv::getRotationMatrix2D({450, 450}, 0.7 * (frame - kPhotoFrame), 1 + 0.001 * frame);
-    map.at<double>(0, 2) += kImageWidth / 2.0 - 450;
-    map.at<double>(1, 2) += kImageHeight / 2.0 - 450;
-    return map;
-  }
-
-  std::vector<StandingObject> objects_;
-  int turn_px_;
-  cv::Mat town_;
-  cv::Mat strip_;
-};
-
-ObjectModel PhotoModelOf(const TurningScene& scene) {
-  const Photo photo = PreparePhoto("photo", scene.Draw(kPhotoFrame), {}, scene.BoxOf(0, kPhotoFrame)).value();
-  return MakePhotoModel("can", std::span(&photo, 1), std::nullopt, {}).value();
-}
-
-std::vector<Frame> DrawFrames(std::int64_t first, std::int64_t end, const std::function<cv::Mat(int)>& draw) {
-  std::vector<Frame> frames;
-  for (std::int64_t i = first; i < end; ++i)
-    frames.push_back({.index = i, .time_s = kFrame_s * static_cast<double>(i), .image = draw(static_cast<int>(i))});
-  return frames;
-}
-
 class TrackGrowthTest : public ::testing::Test {
  protected:
   // What recognition has found: an object in some frames.
@@ -126,12 +32,12 @@ class TrackGrowthTest : public ::testing::Test {
     tracklets_.push_back({.id = tracklet,
                           .score = kScore,
                           .frames = count,
-                          .first_time_s = kFrame_s * first,
-                          .last_time_s = kFrame_s * (first + count - 1)});
+                          .first_time_s = frame_s_ * first,
+                          .last_time_s = frame_s_ * (first + count - 1)});
     for (int frame = first; frame < first + count; ++frame) {
       sightings_.push_back({.tracklet = tracklet,
                             .frame = frame,
-                            .time_s = kFrame_s * frame,
+                            .time_s = frame_s_ * frame,
                             .box = scene.BoxOf(object, frame),
                             .outline = scene.OutlineOf(object, frame),
                             .score = kScore,
@@ -140,24 +46,50 @@ class TrackGrowthTest : public ::testing::Test {
     std::ranges::stable_sort(sightings_, {}, &SightingRecord::frame);
   }
 
-  [[nodiscard]] Expected<TrackGrowth> Grow(const std::function<cv::Mat(int)>& draw, std::int64_t block = 16,
+  // The tracklets given, or all.
+  [[nodiscard]] GrowthInput InputOf(const ObjectModel& model, std::span<const TrackletRecord> tracklets,
+                                    std::span<const SightingRecord> sightings) const {
+    return {.model = model,
+            .tracklets = tracklets,
+            .sightings = sightings,
+            .extractor = *extractor_,
+            .recognize = recognize_,
+            .options = options_,
+            .is_plausible = is_plausible_};
+  }
+
+  [[nodiscard]] Expected<std::vector<TrackGrowth>> GrowAll(std::span<const GrowthInput> inputs,
+                                                           const std::function<cv::Mat(int)>& draw,
+                                                           std::int64_t max_wanted, const CancelToken& cancel = {}) {
+    std::vector<double> times_s;
+    for (int i = 0; i < kFrames; ++i) times_s.push_back(frame_s_ * i);
+    const ReadFrames read = [&](std::int64_t first, std::int64_t end,
+                                const auto& is_wanted) -> Expected<std::vector<Frame>> {
+      std::vector<Frame> frames;
+      for (std::int64_t i = first; i < end; ++i) {
+        if (!is_wanted(i)) continue;
+        read_.insert(i);
+        frames.push_back(
+            {.index = i, .time_s = times_s[static_cast<std::size_t>(i)], .image = draw(static_cast<int>(i))});
+      }
+      EXPECT_LE(std::ssize(frames), max_wanted);
+      return frames;
+    };
+    return GrowTracks({.times_s = times_s,
+                       .end = kFrames,
+                       .frame = FrameBox(TurningScene::kImageWidth, TurningScene::kImageHeight),
+                       .read = read,
+                       .max_wanted = max_wanted},
+                      inputs, cancel);
+  }
+
+  [[nodiscard]] Expected<TrackGrowth> Grow(const std::function<cv::Mat(int)>& draw, std::int64_t max_wanted = 16,
                                            const CancelToken& cancel = {}) {
     const ObjectModel model = PhotoModelOf(TurningScene());
-    std::vector<double> times_s;
-    for (int i = 0; i < kFrames; ++i) times_s.push_back(kFrame_s * i);
-    const ReadFrames read = [&](std::int64_t first, std::int64_t end) -> Expected<std::vector<Frame>> {
-      for (std::int64_t i = first; i < end; ++i) read_.insert(i);
-      return DrawFrames(first, end, draw);
-    };
-    return GrowTracks({.model = model,
-                       .tracklets = tracklets_,
-                       .sightings = sightings_,
-                       .times_s = times_s,
-                       .end = kFrames,
-                       .extractor = *extractor_,
-                       .recognize = recognize_,
-                       .options = options_},
-                      read, block, cancel);
+    const GrowthInput input = InputOf(model, tracklets_, sightings_);
+    VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackGrowth> growths,
+                                GrowAll(std::span(&input, 1), draw, max_wanted, cancel));
+    return std::move(growths.front());
   }
   [[nodiscard]] TrackGrowth Grow(const TurningScene& scene) {
     return Grow([&](int frame) { return scene.Draw(frame); }).value();
@@ -176,12 +108,14 @@ class TrackGrowthTest : public ::testing::Test {
   }
 
   static constexpr double kScore = 0.999;
+  double frame_s_ = kFrame_s;
   std::vector<TrackletRecord> tracklets_;
   std::vector<SightingRecord> sightings_;
   std::set<std::int64_t> read_;
   std::unique_ptr<const FeatureExtractor> extractor_ = MakeFeatureExtractor(LowContrastFeatureOptions()).value();
   RecognizeOptions recognize_;
   GrowOptions options_;
+  std::function<bool(std::int64_t, std::int64_t, const Box&)> is_plausible_;
 };
 
 TEST_F(TrackGrowthTest, FollowsAnObjectThatTurnsAndLearnsItsViews) {
@@ -212,7 +146,7 @@ TEST_F(TrackGrowthTest, EndsWhereTheObjectHasGone) {
   const TurningScene scene(std::vector<StandingObject>{
       StandingObject{.at = {450, 450}, .is_there = [](int frame) { return frame < kGone; }}});
   Recognised(1, scene, 0, kPhotoFrame - 2, 5);
-  const TrackGrowth growth = Grow(scene);
+  const TrackGrowth growth = Grow([&](int frame) { return scene.Draw(frame); }, 4).value();
   EXPECT_EQ(Score(growth, 1, scene, 0).first, kGone - 5);
   for (const GrownSighting& one : growth.sightings) EXPECT_LT(one.frame, kGone);
   EXPECT_LT(*read_.rbegin(), kFrames - 1) << "it is given up";
@@ -299,6 +233,49 @@ TEST_F(TrackGrowthTest, ResultDoesNotDependOnTheBlocks) {
   }
 }
 
+// At ten frames a second, two of three frames are looked at; the recognition from which the object is followed lies
+// between them.
+TEST_F(TrackGrowthTest, FramesBetweenTheStepsAreInterpolated) {
+  frame_s_ = 0.1;
+  const TurningScene scene({StandingObject{.at = {450, 450}}}, 1);
+  constexpr int kAnchor = 37;  // 3.7 s, of the slot from 3.6 to 3.75 s, whose first frame is 36
+  Recognised(1, scene, 0, kAnchor, 3);
+  sightings_[0].matches = 30;  // the best one
+  const auto draw = [&](int frame) { return scene.Draw(frame); };
+  const TrackGrowth growth = Grow(draw).value();
+  EXPECT_TRUE(read_.contains(kAnchor));
+  EXPECT_FALSE(read_.contains(kAnchor + 3)) << "no step";
+  EXPECT_EQ(Score(growth, 1, scene, 0), std::pair(kFrames - 3, 0));
+  for (const std::int64_t max_wanted : {1, 7, 1000}) {
+    const TrackGrowth same = Grow(draw, max_wanted).value();
+    ASSERT_EQ(same.sightings.size(), growth.sightings.size()) << max_wanted;
+    for (std::size_t i = 0; i < same.sightings.size(); ++i) EXPECT_EQ(same.sightings[i].box, growth.sightings[i].box);
+  }
+}
+
+// Each in its own thread, from the same frames.
+TEST_F(TrackGrowthTest, ModelsGrowTogetherAsTheyDoAlone) {
+  const TurningScene scene({StandingObject{.at = {400, 450}}, StandingObject{.at = {540, 450}}});
+  const auto draw = [&](int frame) { return scene.Draw(frame); };
+  const ObjectModel model = PhotoModelOf(TurningScene());
+  Recognised(1, scene, 0, kPhotoFrame - 2, 5);
+  const std::vector<TrackletRecord> first = std::exchange(tracklets_, {});
+  const std::vector<SightingRecord> of_first = std::exchange(sightings_, {});
+  Recognised(2, scene, 1, kPhotoFrame - 12, 5);
+  const std::vector<GrowthInput> inputs = {InputOf(model, first, of_first), InputOf(model, tracklets_, sightings_)};
+  const std::vector<TrackGrowth> together = GrowAll(inputs, draw, 16).value();
+  ASSERT_THAT(together, SizeIs(2));
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::vector<TrackGrowth> alone = GrowAll(std::span(inputs).subspan(i, 1), draw, 16).value();
+    ASSERT_EQ(together[i].sightings.size(), alone.front().sightings.size());
+    EXPECT_FALSE(alone.front().sightings.empty());
+    for (std::size_t k = 0; k < together[i].sightings.size(); ++k) {
+      EXPECT_EQ(together[i].sightings[k].box, alone.front().sightings[k].box);
+      EXPECT_EQ(together[i].sightings[k].score, alone.front().sightings[k].score);
+    }
+  }
+}
+
 TEST_F(TrackGrowthTest, WeakFindsDoNotGrow) {
   const TurningScene scene;
   Recognised(1, scene, 0, kPhotoFrame, 2);
@@ -309,25 +286,36 @@ TEST_F(TrackGrowthTest, WeakFindsDoNotGrow) {
   EXPECT_THAT(read_, IsEmpty()) << "nothing is read for them";
 }
 
+TEST_F(TrackGrowthTest, NothingIsReadForAnObjectThatIsSeenAllTheTime) {
+  const TurningScene scene;
+  Recognised(1, scene, 0, 0, kFrames);
+  EXPECT_THAT(Grow(scene).sightings, IsEmpty());
+  EXPECT_THAT(read_, IsEmpty());
+}
+
+TEST_F(TrackGrowthTest, NothingIsLookedForBehindTheLastGap) {
+  const TurningScene scene;
+  Recognised(1, scene, 0, 0, kFrames);
+  std::erase_if(sightings_, [](const SightingRecord& one) { return one.frame >= 50 && one.frame < 55; });
+  const TrackGrowth growth = Grow([&](int frame) { return scene.Draw(frame); }, 1).value();
+  EXPECT_EQ(Score(growth, 1, scene, 0), std::pair(5, 0));
+  EXPECT_LE(*read_.rbegin(), 55);
+}
+
+TEST_F(TrackGrowthTest, AnObjectThatLeavesTheViewIsNotFollowedOutOfIt) {
+  const TurningScene scene;
+  Recognised(1, scene, 0, 0, 50);
+  SightingRecord& last = sightings_.back();
+  last.box = {TurningScene::kImageWidth - last.box.width, last.box.y, last.box.width, last.box.height};
+  EXPECT_THAT(Grow(scene).sightings, IsEmpty());
+  EXPECT_THAT(read_, IsEmpty());
+}
+
 TEST_F(TrackGrowthTest, PlacesThatTelemetryExcludesAreLeftOut) {
   const TurningScene scene;
   Recognised(1, scene, 0, kPhotoFrame - 2, 5);
-  const ObjectModel model = PhotoModelOf(scene);
-  std::vector<double> times_s;
-  for (int i = 0; i < kFrames; ++i) times_s.push_back(kFrame_s * i);
-  const ReadFrames read = [&](std::int64_t first, std::int64_t end) -> Expected<std::vector<Frame>> {
-    return DrawFrames(first, end, [&](int i) { return scene.Draw(i); });
-  };
-  const GrowthInput input{.model = model,
-                          .tracklets = tracklets_,
-                          .sightings = sightings_,
-                          .times_s = times_s,
-                          .end = kFrames,
-                          .extractor = *extractor_,
-                          .recognize = recognize_,
-                          .options = options_,
-                          .is_plausible = [](std::int64_t, std::int64_t frame, const Box&) { return frame < 50; }};
-  const TrackGrowth growth = GrowTracks(input, read, 16, {}).value();
+  is_plausible_ = [](std::int64_t, std::int64_t frame, const Box&) { return frame < 50; };
+  const TrackGrowth growth = Grow(scene);
   EXPECT_FALSE(growth.sightings.empty());
   for (const GrownSighting& one : growth.sightings) EXPECT_LT(one.frame, 50);
 }
@@ -353,7 +341,6 @@ class IndexGrowthTest : public ::testing::Test {
     ASSERT_TRUE((*writer)->Finish());
     ASSERT_TRUE(library_.Add(PhotoModelOf(scene_)));
     run_.options.keep.interval_s = 0;  // many commits
-    run_.options.grow.enabled = true;
   }
 
   [[nodiscard]] std::vector<ObjectModel> Models() const { return {library_.Load("can").value()}; }
