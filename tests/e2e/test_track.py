@@ -141,6 +141,27 @@ class TrackTest(program.ProgramTest):
         self.refuses(2, "no such index", *other, "--db", self.scratch / "none.db")
         self.refuses(2, "give --out FILE, or --db INDEX", *other)
 
+    def test_what_was_boxed_becomes_a_model(self):
+        db, models = self.scratch / "index.db", self.scratch / "models"
+        shutil.copy(program.index(), db)
+        drawn = (self.video, *self.drawn("truck", self.whole_frames("truck")[0]))
+        (number,) = re.findall(r"box-1: is object (\d+)", self.succeeds("track", *drawn, "--db", db).err)
+        grow = ("model", "grow", "lorry", "--db", db, "--models", models)
+        done = self.succeeds(*grow, "--object", number).out
+        self.assertRegex(done, rf"^lorry: \d+ views? learnt from \d+ sightings of object {number}; \d+ views?, \d+ features\n$")
+        model = (models / "lorry.vmodel").read_bytes()
+        self.assertRegex(self.succeeds(*grow, "--object", number).out, "^lorry: 0 views learnt")
+        self.assertEqual((models / "lorry.vmodel").read_bytes(), model, "what is known is not learnt again")
+        found = self.scratch / "found.db"
+        self.succeeds("index", self.video, "--models", models, "--db", found)
+        boxes = {row["frame"]: row["box"] for row in self.succeeds("export", "--db", found, "--format", "sightings").rows()}
+        whole = self.whole_frames("truck")
+        seen = [f for f in whole if f in boxes and overlap(boxes[f], self.truth["truck"][f]["box"]) > 0.5]
+        self.assertGreater(len(seen), 0.8 * len(whole))
+        self.refuses(2, "object 9999: not in the index", *grow, "--object", 9999)
+        self.refuses(2, "no such file", "model", "grow", "lorry", "--db", self.scratch / "none.db", "--models", models, "--object", 1)
+        self.assertEqual((models / "lorry.vmodel").read_bytes(), model)
+
     def test_unwritable_output_is_reported_first(self):
         drawn = self.drawn("crate", self.whole_frames("crate")[0])
         done = program.run("track", self.video, *drawn, "--out", self.scratch / "gone" / "out.jsonl")

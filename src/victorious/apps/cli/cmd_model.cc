@@ -1,4 +1,4 @@
-// victorious model add | list | show | remove
+// victorious model add | grow | list | show | remove
 #include "victorious/apps/cli/cmd_model.h"
 
 #include <memory>
@@ -44,6 +44,7 @@ Action SetUpModel(ArgumentParser& parser) {
     parts.emplace_back(part, set_up(part));
   };
   add("add", "Make a searchable model from a CAD file or from photos", &SetUpModelAdd);
+  add("grow", "Learn the views of an object that was found or followed", &SetUpModelGrow);
   add("list", "List the models of a folder", &SetUpModelList);
   add("show", "Show one model's views, features, size and origin", &SetUpModelShow);
   add("remove", "Delete a model", &SetUpModelRemove);

@@ -17,6 +17,8 @@ void AddModelsFolder(ArgumentParser& parser, std::string& folder);
 
 /// `model add`: a model from a CAD file or from photos.
 Action SetUpModelAdd(ArgumentParser& parser);
+/// `model grow`: a model learns the views of an object that an index has.
+Action SetUpModelGrow(ArgumentParser& parser);
 /// `model list`: one row per model.
 Action SetUpModelList(ArgumentParser& parser);
 /// `model show`: one model in detail.

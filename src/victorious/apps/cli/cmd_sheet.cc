@@ -1,11 +1,9 @@
 // victorious sheet --db DB --out PNG [--json]: draws the found objects on a contact sheet
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <ranges>
 #include <set>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -15,27 +13,15 @@
 #include "victorious/apps/cli/command.h"
 #include "victorious/apps/cli/output_files.h"
 #include "victorious/base/json.h"
+#include "victorious/base/log.h"
 #include "victorious/input/image/image_file.h"
-#include "victorious/input/video/video_reader.h"
+#include "victorious/jobs/stored_video.h"
 #include "victorious/show/contact_sheet.h"
 #include "victorious/store/catalogue.h"
 #include "victorious/store/open_store.h"
 
 namespace victorious::cli {
 namespace {
-
-// Checks that the file still has the indexed content; else frames of another video would be shown.
-Status CheckContent(const VideoRecord& video) {
-  std::error_code failed;
-  const std::string path = FindVideoFile(video);
-  if (!std::filesystem::exists(path, failed)) return {};  // opening it reports that; a URL has no content id to check
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, VideoReader::Open(path, {}));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string content_id, reader->ContentId(Interrupt(), {}));
-  if (content_id == video.content_id) return {};
-  return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}: not the video that was indexed under this name: restore that file, or index this one",
-                          video.name));
-}
 
 // Checks the videos of the objects shown.
 Status CheckContents(const SightingFilter& filter, int max_tiles, const Catalogue& catalogue, IndexStore& store) {
@@ -44,7 +30,8 @@ Status CheckContents(const SightingFilter& filter, int max_tiles, const Catalogu
   for (const ObjectRecord& object : objects | std::views::take(max_tiles)) {
     for (const std::int64_t id : object.videos) {
       const VideoRecord* video = catalogue.Video(id);
-      if (video != nullptr && checked.insert(id).second) VICTORIOUS_RETURN_IF_ERROR(CheckContent(*video));
+      if (video == nullptr || !checked.insert(id).second) continue;
+      VICTORIOUS_RETURN_IF_ERROR(OpenStoredVideo(*video, {}, Interrupt()));
     }
   }
   return {};

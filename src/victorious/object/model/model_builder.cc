@@ -147,7 +147,19 @@ cv::Mat MakeThumbnail(const cv::Mat& bgr, const Box& part, int side_px) {
 Status ModelBuilder::Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points,
                          const cv::Mat& thumbnail, std::vector<std::byte> surface) {
   VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::byte> jpeg, EncodeJpeg(thumbnail));
-  thumbnails_.push_back(std::move(jpeg));
+  Append(std::move(view), features.View(), points, std::move(jpeg), std::move(surface));
+  return {};
+}
+
+void ModelBuilder::AddViewOf(const ObjectModel& model, std::size_t view) {
+  const ModelView& of_model = model.views[view];
+  Append(of_model, model.ViewFeatures(view), model.ViewPoints(view),
+         {of_model.thumbnail.begin(), of_model.thumbnail.end()}, {of_model.surface.begin(), of_model.surface.end()});
+}
+
+void ModelBuilder::Append(ModelView view, const FeatureView& features, std::span<const Point3> points,
+                          std::vector<std::byte> thumbnail, std::vector<std::byte> surface) {
+  thumbnails_.push_back(std::move(thumbnail));
   surfaces_.push_back(std::move(surface));
   view.first_feature = features_.size();
   view.feature_count = features.size();
@@ -155,7 +167,6 @@ Status ModelBuilder::Add(ModelView view, const FeatureSet& features, const std::
   features_.keypoints.insert(features_.keypoints.end(), features.keypoints.begin(), features.keypoints.end());
   features_.descriptors.insert(features_.descriptors.end(), features.descriptors.begin(), features.descriptors.end());
   points_.insert(points_.end(), points.begin(), points.end());
-  return {};
 }
 
 ObjectModel ModelBuilder::Finish(ObjectModel model) && {

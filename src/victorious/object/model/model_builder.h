@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -61,11 +62,17 @@ class ModelBuilder {
   [[nodiscard]] Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points,
                            const cv::Mat& thumbnail, std::vector<std::byte> surface = {});
 
+  /// A view of another model, as it is.
+  void AddViewOf(const ObjectModel& model, std::size_t view);
+
   /// @param model  the other fields of the model
   /// @return `model` with the views, features and their storage
   [[nodiscard]] ObjectModel Finish(ObjectModel model) &&;
 
  private:
+  void Append(ModelView view, const FeatureView& features, std::span<const Point3> points,
+              std::vector<std::byte> thumbnail, std::vector<std::byte> surface);
+
   std::vector<ModelView> views_;
   FeatureSet features_;
   std::vector<Point3> points_;

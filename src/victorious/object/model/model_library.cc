@@ -70,6 +70,11 @@ Status ModelLibrary::Add(const ObjectModel& model) const {
   return WriteModelFile(PathOf(model.name), model);
 }
 
+Status ModelLibrary::Replace(const ObjectModel& model) const {
+  VICTORIOUS_RETURN_IF_ERROR(CheckName(model.name));
+  return WriteModelFile(PathOf(model.name), model);
+}
+
 Expected<std::vector<std::string>> ModelLibrary::Names() const {
   VICTORIOUS_RETURN_IF_ERROR(CheckIsFolder(folder_, "`victorious model add` makes one"));
   std::error_code error;

@@ -24,6 +24,9 @@ class ModelLibrary {
   /// Writes the model; creates the folder if it does not exist. Errors: those of CheckNewName() and of writing.
   [[nodiscard]] Status Add(const ObjectModel& model) const;
 
+  /// Writes the model in the place of the one of its name; that stays if writing fails. Errors: those of writing.
+  [[nodiscard]] Status Replace(const ObjectModel& model) const;
+
   /// The names of all files with valid model names, in alphabetical order. Error: kNotFound, no such folder.
   [[nodiscard]] Expected<std::vector<std::string>> Names() const;
 

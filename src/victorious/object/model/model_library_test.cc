@@ -22,14 +22,18 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using testing::ScratchFolder;
 
-ObjectModel MakeModel(const std::string& name) {
+Photo MakePhoto() {
   const cv::Mat image = testing::DrawObject(testing::ObjectKind::kCrate, 3).image;
   cv::Mat bgr(image.size(), CV_8UC3);
   cv::Mat alpha(image.size(), CV_8UC1);
   cv::Mat parts[] = {bgr, alpha};
   const int from_to[] = {0, 0, 1, 1, 2, 2, 3, 3};
   cv::mixChannels(&image, 1, parts, 2, from_to, 4);
-  const Photo photo = PreparePhoto("crate.png", bgr, alpha, std::nullopt).value();
+  return PreparePhoto("crate.png", bgr, alpha, std::nullopt).value();
+}
+
+ObjectModel MakeModel(const std::string& name) {
+  const Photo photo = MakePhoto();
   return MakePhotoModel(name, std::span(&photo, 1), 1.2, {}).value();
 }
 
@@ -173,6 +177,19 @@ TEST(ModelLibrary, ErrorNamesMissingFolder) {
   const Status added = ModelLibrary(folder / "file").Add(MakeModel("crate"));
   ASSERT_FALSE(added);
   ExpectError(added.error(), ErrorCode::kInvalidArgument, (folder / "file").string());
+}
+
+TEST(ModelLibrary, ReplaceWritesInThePlaceOfTheOld) {
+  const ScratchFolder folder;
+  const ModelLibrary library(folder.path());
+  ASSERT_TRUE(library.Add(MakeModel("crate")));
+  const ObjectModel known = library.Load("crate").value();
+  const Photo photo = MakePhoto();
+  ASSERT_TRUE(library.Replace(WithPhotos(known, std::span(&photo, 1)).value()));
+  const ObjectModel now = library.Load("crate").value();
+  EXPECT_EQ(now.views.size(), 2U);
+  EXPECT_EQ(now.features.size(), 2 * known.features.size());
+  EXPECT_NE(now.id, known.id);
 }
 
 }  // namespace

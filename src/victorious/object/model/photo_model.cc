@@ -85,23 +85,38 @@ Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, cons
   return photo;
 }
 
-Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Photo> photos,
-                                     std::optional<double> length_m, const PhotoModelOptions& options) {
-  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
-  if (photos.empty())
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: at least one photo is needed", name));
+ObjectModel EmptyPhotoModel(const std::string& name, std::optional<double> length_m, const PhotoModelOptions& options) {
+  return {.name = name,
+          .id = {},
+          .kind = ModelKind::kPhotos,
+          .engine = options.features.engine,
+          .options_json = OptionsToJsonText(options),
+          .program_version = kVersion,
+          .length_m = length_m,
+          .views = {},
+          .features = {},
+          .storage = {}};
+}
+
+Expected<PhotoModelOptions> OptionsOf(const ObjectModel& model) {
+  if (model.kind != ModelKind::kPhotos) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("model {}: it is of a CAD file, which has all views: give a model of photos", model.name));
+  }
+  PhotoModelOptions options;
+  const Status set = SetFromJsonText(model.options_json, CollectFields(options));
+  if (set && options.features.engine == model.engine) return options;
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("model {}: it was made with options that this program does not know ({}): add its photos again",
+                  model.name, set ? "its engine is another one" : set.error().message));
+}
+
+Expected<ObjectModel> WithPhotos(const ObjectModel& known, std::span<const Photo> photos) {
+  VICTORIOUS_ASSIGN_OR_RETURN(const PhotoModelOptions options, OptionsOf(known));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
-  ObjectModel model{.name = name,
-                    .id = {},
-                    .kind = ModelKind::kPhotos,
-                    .engine = options.features.engine,
-                    .options_json = OptionsToJsonText(options),
-                    .program_version = kVersion,
-                    .length_m = length_m,
-                    .views = {},
-                    .features = {},
-                    .storage = {}};
   ModelBuilder builder;
+  for (std::size_t view = 0; view < known.views.size(); ++view) builder.AddViewOf(known, view);
   for (const Photo& photo : photos) {
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features,
                                 ExtractObjectFeatures(photo, *extractor, {.margin_px = options.margin_px}));
@@ -121,7 +136,17 @@ Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Ph
                                             .thumbnail = {}},
                                            features, {}, photo.thumbnail));
   }
+  ObjectModel model = known;
+  model.program_version = kVersion;
   return std::move(builder).Finish(std::move(model));
+}
+
+Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Photo> photos,
+                                     std::optional<double> length_m, const PhotoModelOptions& options) {
+  VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
+  if (photos.empty())
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: at least one photo is needed", name));
+  return WithPhotos(EmptyPhotoModel(name, length_m, options), photos);
 }
 
 }  // namespace victorious

@@ -41,7 +41,19 @@ struct PhotoModelOptions {
 [[nodiscard]] Expected<Photo> PreparePhoto(const std::string& source, const cv::Mat& bgr, const cv::Mat& alpha,
                                            const std::optional<Box>& box);
 
-/// @param length_m  the object's longest side, if known
+/// The options of which a model of photos was made. Errors: kInvalidArgument for a CAD model, or for options that this
+/// program does not know.
+[[nodiscard]] Expected<PhotoModelOptions> OptionsOf(const ObjectModel& model);
+
+/// A model with more views than `known`, whose own stay as they are: one for each photo, made with its options.
+/// Errors: those of OptionsOf; kInvalidArgument for a photo with too few keypoints on the object.
+[[nodiscard]] Expected<ObjectModel> WithPhotos(const ObjectModel& known, std::span<const Photo> photos);
+
+/// A model of photos without views yet. @param length_m  the object's longest side, if known, m
+[[nodiscard]] ObjectModel EmptyPhotoModel(const std::string& name, std::optional<double> length_m,
+                                          const PhotoModelOptions& options);
+
+/// @param length_m  the object's longest side, if known, m
 /// Errors: kInvalidArgument for options out of range, no photos, or a photo with fewer than options.min_features
 /// keypoints on the object.
 [[nodiscard]] Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Photo> photos,

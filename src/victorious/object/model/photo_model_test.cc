@@ -252,5 +252,18 @@ TEST(MakePhotoModel, RefusesOptionsOutOfRange) {
   EXPECT_THAT(model.error().message, HasSubstr("features.max_side_px = 0"));
 }
 
+TEST(WithPhotos, RefusesModelsThatAreNotOfPhotosOrOfOtherOptions) {
+  const Photo photo = Prepare(ObjectOnGround(ObjectKind::kCrate), std::nullopt);
+  ObjectModel model = MakePhotoModel("object", std::span(&photo, 1), std::nullopt, {}).value();
+  EXPECT_EQ(WithPhotos(model, std::span(&photo, 1)).value().views.size(), 2U);
+  ObjectModel cad = model;
+  cad.kind = ModelKind::kCad;
+  ExpectOneLine(WithPhotos(cad, std::span(&photo, 1)).error(), ErrorCode::kInvalidArgument, "it is of a CAD file");
+  ObjectModel unknown = model;
+  unknown.options_json = R"({"of_another_program": 1})";
+  ExpectOneLine(WithPhotos(unknown, std::span(&photo, 1)).error(), ErrorCode::kInvalidArgument,
+                "made with options that this program does not know");
+}
+
 }  // namespace
 }  // namespace victorious
