@@ -108,10 +108,10 @@ def measure(program: Program, number: int, folder: Path) -> dict:
     for name, params in (("off", off), ("on", None)):
         db = folder / f"orbit_{name}.db"
         one[f"processor_{name}"] = index(program, orbit, models, db, params)
-        score = json.loads(program("evaluate", "--db", db, "--truth", orbit.truth, "--json"))
         shows = [row for _, row in pair(orbit, lines(program("export", "--db", db, "--format", "sightings")))]
         one |= {name: sum(row is not None and is_clear(row) for row in shows), f"wrong_{name}": shows.count(None)}
     grown = folder / "orbit_on.db"
+    score = json.loads(program("evaluate", "--db", grown, "--truth", orbit.truth, "--json"))
     of_truth = found(program, grown, {str(orbit.video): orbit})
     one |= {"findable": score["findable"], "found": score["found"], "false_objects": score["false_objects"],
             "identities": sum(map(len, of_truth.values()))}  # fmt: skip

@@ -51,7 +51,7 @@ class ViewLearner {
     VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features,
                                 ExtractObjectFeatures(*photo, *extractor_, {.margin_px = options_.margin_px}));
     if (features.size() < std::max(kMinViewFeatures, static_cast<std::size_t>(options_.min_features))) return {};
-    VICTORIOUS_ASSIGN_OR_RETURN(result_.model, WithPhotos(result_.model, std::span(&*photo, 1)));
+    VICTORIOUS_ASSIGN_OR_RETURN(result_.model, WithView(result_.model, *photo, features));
     ++result_.learnt;
     return Prepare();
   }

@@ -1,7 +1,6 @@
 #include "victorious/jobs/index/view_chain.h"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -32,35 +31,6 @@ FeatureSet FeaturesOn(const FeatureSet& features, const Polygon& outline) {
   return inside;
 }
 
-// A model of views without pictures, as ModelBuilder makes it.
-class ViewModel {
- public:
-  void Add(ModelView view, const FeatureView& features) {
-    view.thumbnail = {};
-    view.surface = {};
-    view.first_feature = features_->size();
-    view.feature_count = features.size();
-    features_->keypoints.insert(features_->keypoints.end(), features.keypoints.begin(), features.keypoints.end());
-    features_->descriptors.insert(features_->descriptors.end(), features.descriptors.begin(),
-                                  features.descriptors.end());
-    views_.push_back(std::move(view));
-  }
-
-  // @param of  the model that it stands for
-  ObjectModel Finish(const ObjectModel& of) && {
-    ObjectModel model = of;
-    model.id = {};
-    model.views = std::move(views_);
-    model.features = features_->View();
-    model.storage = std::move(features_);
-    return model;
-  }
-
- private:
-  std::vector<ModelView> views_;
-  std::shared_ptr<FeatureSet> features_ = std::make_shared<FeatureSet>();
-};
-
 ModelView ViewOf(const LearntView& view, const FeatureSet& features) {
   return {.source = {},
           .width = features.image_width,
@@ -70,6 +40,13 @@ ModelView ViewOf(const LearntView& view, const FeatureSet& features) {
           .neighbours = {},
           .thumbnail = {},
           .surface = {}};
+}
+
+// A model of these views alone, which stands for `model`.
+ObjectModel FinishAs(const ObjectModel& model, ModelBuilder views) {
+  ObjectModel other = model;
+  other.id = {};
+  return std::move(views).Finish(std::move(other));
 }
 
 }  // namespace
@@ -90,10 +67,10 @@ Expected<double> ViewChain::ScoreIn(const FeatureSet& witness, const Box& witnes
                                     const FeatureSet& region) const {
   const FeatureSet features = FeaturesOn(region, view.outline);
   if (features.size() < kMinViewFeatures) return 0;
-  ViewModel alone;
-  alone.Add(ViewOf(view, features), features.View());
+  ModelBuilder alone;
+  alone.AddWithoutThumbnail(ViewOf(view, features), features.View());
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
-                              Recognizer::Create({std::move(alone).Finish(*model_)}, model_->engine, *options_));
+                              Recognizer::Create({FinishAs(*model_, std::move(alone))}, model_->engine, *options_));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Detection> detections, recognizer.Recognize(witness));
   const bool is_there =
       !detections.empty() && IntersectionOverUnion(detections.front().box, witness_box) >= kMinViewOverlap;
@@ -119,13 +96,14 @@ void ViewChain::Forget(std::size_t count) {
 
 Status ViewChain::Prepare() {
   if (recognizer_) return {};
-  ViewModel all;
+  ModelBuilder all;
   for (std::size_t view = 0; view < model_->views.size(); ++view)
-    all.Add(model_->views[view], model_->ViewFeatures(view));
+    all.AddWithoutThumbnail(model_->views[view], model_->ViewFeatures(view));
   first_ = views_.size() - std::min(views_.size(), kRecentViews);
-  for (std::size_t i = first_; i < views_.size(); ++i) all.Add(ViewOf(views_[i], features_[i]), features_[i].View());
+  for (std::size_t i = first_; i < views_.size(); ++i)
+    all.AddWithoutThumbnail(ViewOf(views_[i], features_[i]), features_[i].View());
   VICTORIOUS_ASSIGN_OR_RETURN(Recognizer made,
-                              Recognizer::Create({std::move(all).Finish(*model_)}, model_->engine, *options_));
+                              Recognizer::Create({FinishAs(*model_, std::move(all))}, model_->engine, *options_));
   recognizer_.emplace(std::move(made));
   return {};
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -61,6 +62,11 @@ class ModelBuilder {
   /// @param surface    the bytes of EncodeSurface(), or empty
   [[nodiscard]] Status Add(ModelView view, const FeatureSet& features, const std::vector<Point3>& points,
                            const cv::Mat& thumbnail, std::vector<std::byte> surface = {});
+
+  /// A view without a thumbnail and a surface: matching needs neither.
+  void AddWithoutThumbnail(ModelView view, const FeatureView& features) {
+    Append(std::move(view), features, {}, {}, {});
+  }
 
   /// A view of another model, as it is.
   void AddViewOf(const ObjectModel& model, std::size_t view);

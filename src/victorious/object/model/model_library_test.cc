@@ -185,7 +185,8 @@ TEST(ModelLibrary, ReplaceWritesInThePlaceOfTheOld) {
   ASSERT_TRUE(library.Add(MakeModel("crate")));
   const ObjectModel known = library.Load("crate").value();
   const Photo photo = MakePhoto();
-  ASSERT_TRUE(library.Replace(WithPhotos(known, std::span(&photo, 1)).value()));
+  const FeatureSet features = ExtractObjectFeatures(photo, *MakeFeatureExtractor({}).value(), {}).value();
+  ASSERT_TRUE(library.Replace(WithView(known, photo, features).value()));
   const ObjectModel now = library.Load("crate").value();
   EXPECT_EQ(now.views.size(), 2U);
   EXPECT_EQ(now.features.size(), 2 * known.features.size());

@@ -46,6 +46,17 @@ cv::Mat FlattenBackground(const cv::Mat& grey, const cv::Mat& mask) {
   return result;
 }
 
+Status AddPhoto(const Photo& photo, const FeatureSet& features, ModelBuilder& builder) {
+  return builder.Add({.source = photo.source,
+                      .width = photo.grey.cols,
+                      .height = photo.grey.rows,
+                      .outline = photo.outline,
+                      .angles = {},
+                      .neighbours = {},
+                      .thumbnail = {}},
+                     features, {}, photo.thumbnail);
+}
+
 }  // namespace
 
 Expected<Photo> LoadPhoto(const std::filesystem::path& path, const std::optional<Box>& box) {
@@ -112,30 +123,10 @@ Expected<PhotoModelOptions> OptionsOf(const ObjectModel& model) {
                   model.name, set ? "its engine is another one" : set.error().message));
 }
 
-Expected<ObjectModel> WithPhotos(const ObjectModel& known, std::span<const Photo> photos) {
-  VICTORIOUS_ASSIGN_OR_RETURN(const PhotoModelOptions options, OptionsOf(known));
-  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+Expected<ObjectModel> WithView(const ObjectModel& known, const Photo& photo, const FeatureSet& features) {
   ModelBuilder builder;
   for (std::size_t view = 0; view < known.views.size(); ++view) builder.AddViewOf(known, view);
-  for (const Photo& photo : photos) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features,
-                                ExtractObjectFeatures(photo, *extractor, {.margin_px = options.margin_px}));
-    if (features.size() < static_cast<std::size_t>(options.min_features)) {
-      return Fail(
-          ErrorCode::kInvalidArgument,
-          fmt::format("{}: {} features on the object, at least {} are needed: give a larger or sharper photo of "
-                      "a textured side",
-                      photo.source, features.size(), options.min_features));
-    }
-    VICTORIOUS_RETURN_IF_ERROR(builder.Add({.source = photo.source,
-                                            .width = photo.grey.cols,
-                                            .height = photo.grey.rows,
-                                            .outline = photo.outline,
-                                            .angles = {},
-                                            .neighbours = {},
-                                            .thumbnail = {}},
-                                           features, {}, photo.thumbnail));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(AddPhoto(photo, features, builder));
   ObjectModel model = known;
   model.program_version = kVersion;
   return std::move(builder).Finish(std::move(model));
@@ -146,7 +137,21 @@ Expected<ObjectModel> MakePhotoModel(const std::string& name, std::span<const Ph
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   if (photos.empty())
     return Fail(ErrorCode::kInvalidArgument, fmt::format("model {}: at least one photo is needed", name));
-  return WithPhotos(EmptyPhotoModel(name, length_m, options), photos);
+  VICTORIOUS_ASSIGN_OR_RETURN(const auto extractor, MakeFeatureExtractor(options.features));
+  ModelBuilder builder;
+  for (const Photo& photo : photos) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const FeatureSet features,
+                                ExtractObjectFeatures(photo, *extractor, {.margin_px = options.margin_px}));
+    if (features.size() < static_cast<std::size_t>(options.min_features)) {
+      return Fail(
+          ErrorCode::kInvalidArgument,
+          fmt::format("{}: {} features on the object, at least {} are needed: give a larger or sharper photo of "
+                      "a textured side",
+                      photo.source, features.size(), options.min_features));
+    }
+    VICTORIOUS_RETURN_IF_ERROR(AddPhoto(photo, features, builder));
+  }
+  return std::move(builder).Finish(EmptyPhotoModel(name, length_m, options));
 }
 
 }  // namespace victorious

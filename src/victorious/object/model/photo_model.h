@@ -45,9 +45,9 @@ struct PhotoModelOptions {
 /// program does not know.
 [[nodiscard]] Expected<PhotoModelOptions> OptionsOf(const ObjectModel& model);
 
-/// A model with more views than `known`, whose own stay as they are: one for each photo, made with its options.
-/// Errors: those of OptionsOf; kInvalidArgument for a photo with too few keypoints on the object.
-[[nodiscard]] Expected<ObjectModel> WithPhotos(const ObjectModel& known, std::span<const Photo> photos);
+/// `known` with one view more, the last one. @param features  ExtractObjectFeatures() of the photo, with the options of
+/// `known`. Errors: those of encoding its thumbnail.
+[[nodiscard]] Expected<ObjectModel> WithView(const ObjectModel& known, const Photo& photo, const FeatureSet& features);
 
 /// A model of photos without views yet. @param length_m  the object's longest side, if known, m
 [[nodiscard]] ObjectModel EmptyPhotoModel(const std::string& name, std::optional<double> length_m,

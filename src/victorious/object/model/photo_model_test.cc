@@ -252,16 +252,16 @@ TEST(MakePhotoModel, RefusesOptionsOutOfRange) {
   EXPECT_THAT(model.error().message, HasSubstr("features.max_side_px = 0"));
 }
 
-TEST(WithPhotos, RefusesModelsThatAreNotOfPhotosOrOfOtherOptions) {
+TEST(OptionsOf, RefusesModelsThatAreNotOfPhotosOrOfOtherOptions) {
   const Photo photo = Prepare(ObjectOnGround(ObjectKind::kCrate), std::nullopt);
   ObjectModel model = MakePhotoModel("object", std::span(&photo, 1), std::nullopt, {}).value();
-  EXPECT_EQ(WithPhotos(model, std::span(&photo, 1)).value().views.size(), 2U);
+  EXPECT_EQ(OptionsOf(model).value().margin_px, PhotoModelOptions().margin_px);
   ObjectModel cad = model;
   cad.kind = ModelKind::kCad;
-  ExpectOneLine(WithPhotos(cad, std::span(&photo, 1)).error(), ErrorCode::kInvalidArgument, "it is of a CAD file");
+  ExpectOneLine(OptionsOf(cad).error(), ErrorCode::kInvalidArgument, "it is of a CAD file");
   ObjectModel unknown = model;
   unknown.options_json = R"({"of_another_program": 1})";
-  ExpectOneLine(WithPhotos(unknown, std::span(&photo, 1)).error(), ErrorCode::kInvalidArgument,
+  ExpectOneLine(OptionsOf(unknown).error(), ErrorCode::kInvalidArgument,
                 "made with options that this program does not know");
 }
 
