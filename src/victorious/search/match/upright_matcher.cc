@@ -60,19 +60,27 @@ QueriesByCell SortByCell(std::span<const UprightTemplate> templates) {
 // kMaxShortSet, but for equal distances.
 std::int32_t ChooseMaxDistance(std::span<const std::int32_t> half_distances, std::size_t count) {
   constexpr std::int32_t kBin = 256;
-  const auto [nearest, farthest] = std::ranges::minmax(half_distances);
-  std::vector<std::uint32_t> bins(static_cast<std::size_t>((farthest - nearest) / kBin + 1));
-  for (const std::int32_t distance : half_distances) ++bins[static_cast<std::size_t>((distance - nearest) / kBin)];
-  std::size_t kept = 0;
-  std::int32_t max_distance = nearest - 1;
-  for (std::size_t bin = 0; bin < bins.size() && kept < count; ++bin) {
-    kept += bins[bin];
-    max_distance += kBin;
+  std::int32_t nearest = half_distances.front();
+  std::int32_t farthest = nearest;
+  for (const std::int32_t distance : half_distances) {
+    nearest = std::min(nearest, distance);
+    farthest = std::max(farthest, distance);
   }
-  if (kept <= kernels::kMaxShortSet) return max_distance;
-  std::vector<std::int32_t> partly_sorted(half_distances.begin(), half_distances.end());
-  const auto last = partly_sorted.begin() + static_cast<std::ptrdiff_t>(kernels::kMaxShortSet) - 1;
-  std::ranges::nth_element(partly_sorted, last);
+  const auto bin_of = [&](std::int32_t distance) { return static_cast<std::size_t>((distance - nearest) / kBin); };
+  std::vector<std::uint32_t> bins(bin_of(farthest) + 1);
+  for (const std::int32_t distance : half_distances) ++bins[bin_of(distance)];
+  std::size_t before = 0;  // those in the bins before this one
+  std::size_t bin = 0;
+  const std::size_t wanted = std::min(count, kernels::kMaxShortSet);
+  while (bin + 1 < bins.size() && before + bins[bin] < wanted) before += bins[bin++];
+  if (before + bins[bin] <= kernels::kMaxShortSet) return nearest - 1 + kBin * static_cast<std::int32_t>(bin + 1);
+  std::vector<std::int32_t> in_bin;
+  in_bin.reserve(bins[bin]);
+  for (const std::int32_t distance : half_distances) {
+    if (bin_of(distance) == bin) in_bin.push_back(distance);
+  }
+  const auto last = in_bin.begin() + static_cast<std::ptrdiff_t>(kernels::kMaxShortSet - before) - 1;
+  std::ranges::nth_element(in_bin, last);
   return *last;
 }
 

@@ -21,6 +21,8 @@ using Eigen::Vector3d;
 constexpr double kMaxEnlargement = 2;  // of the frame: more shows no more
 constexpr std::array kFinerSizes_px = {136.0, 192.0};
 constexpr double kMaxFinerEnlargement = 4;
+// Of the mean response of all sizes over that of the fine one: hardly any match reaches it (docs/adr/0047).
+constexpr double kMaxMeanGrowth = 1.4;
 constexpr double kContourSurroundings = 1.6;  // side of what is cut around an object, over its size
 constexpr double kMinObject_px = 24;          // diagonal of the bounding box in the frame
 constexpr double kMinDown = 0.25;             // cosine of the off-nadir angle: views end at 70 degrees
@@ -264,18 +266,20 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::MatchView(const FramePyram
 
 Expected<std::optional<ShapeMatch>> ModelShapeSearch::Examine(const FramePyramid& frame,
                                                               const FrameConditions& conditions,
-                                                              const ShapeMatch& match) const {
+                                                              const ShapeMatch& match, double min_neg_log10_nfa) const {
   const auto view = ViewAt(conditions, match.centre_px, centre_height_m_);
   if (!view) return std::optional<ShapeMatch>();
   ShapeMatch examined = match;
   examined.to_camera.off_nadir_rad = view->off_nadir_rad;
   examined.pixels_per_m = view->pixels_per_m;
   examined.lean_rad = view->lean_rad;
-  VICTORIOUS_ASSIGN_OR_RETURN(const double response, MeanResponse(frame, *view, examined));
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<FittedContours> fitted,
                               FitContours(frame, *view, conditions.vertical->pinhole.fx, examined));
   if (!fitted) return std::optional<ShapeMatch>();
-  fitted->evidence.response = response;
+  fitted->evidence.response = kMaxMeanGrowth * match.response;
+  if (NegLog10NfaOf(fitted->evidence) >= min_neg_log10_nfa) {
+    VICTORIOUS_ASSIGN_OR_RETURN(fitted->evidence.response, MeanResponse(frame, *view, examined));
+  }
   examined.centre_px = fitted->centre_px;
   examined.pixels_per_m *= std::exp(-fitted->evidence.distance_change);
   examined.to_camera.azimuth_rad = WrapAngle(match.to_camera.azimuth_rad + fitted->azimuth_change_rad);
@@ -285,7 +289,8 @@ Expected<std::optional<ShapeMatch>> ModelShapeSearch::Examine(const FramePyramid
   return std::optional(examined);
 }
 
-// The mean response of templates of the fine size and of larger ones. Those of a small object have all one size.
+// The mean response of templates of the fine size and of larger ones of the same heading. Those of a small object have
+// all one size.
 Expected<double> ModelShapeSearch::MeanResponse(const FramePyramid& frame, const LocalView& view,
                                                 const ShapeMatch& match) const {
   const Place place{.model = model_,
@@ -299,7 +304,7 @@ Expected<double> ModelShapeSearch::MeanResponse(const FramePyramid& frame, const
     const TemplateSize size = ChooseSize(diagonal_m_ * view.pixels_per_m, size_px, kMaxFinerEnlargement);
     if (size == last) continue;
     last = size;
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> finer, MatchView(frame, view, place, size, 1));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> finer, MatchView(frame, view, place, size, 0));
     if (!finer) continue;
     sum += finer->response;
     ++count;

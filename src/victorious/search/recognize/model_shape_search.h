@@ -109,11 +109,12 @@ class ModelShapeSearch {
                                                           const Place& place, int headings) const;
 
   /// A match of fine templates with what speaks for it, by the camera, and the place and heading of the refined pose.
+  /// One that cannot reach `min_neg_log10_nfa` is not compared with larger templates: it is below that, too.
   /// std::nullopt where the model has no contours, or the object is too small for them.
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::optional<ShapeMatch>> Examine(const FramePyramid& frame,
-                                                            const FrameConditions& conditions,
-                                                            const ShapeMatch& match) const;
+                                                            const FrameConditions& conditions, const ShapeMatch& match,
+                                                            double min_neg_log10_nfa) const;
 
  private:
   struct FittedContours {

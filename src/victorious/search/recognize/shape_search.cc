@@ -111,7 +111,8 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& fr
   std::vector<Expected<std::optional<ShapeMatch>>> refined(places.size());
   ParallelFor(places.size(), [&](std::size_t i) {
     refined[i] = SearchFor(places[i].model).Refine(frame, conditions, places[i]);
-    if (refined[i] && *refined[i]) refined[i] = Judge(frame, conditions, **refined[i], decades_assumed);
+    if (refined[i] && *refined[i])
+      refined[i] = Judge(frame, conditions, **refined[i], decades_assumed, min_neg_log10_nfa);
   });
   std::vector<ShapeMatch> all;
   for (Expected<std::optional<ShapeMatch>>& one : refined) {
@@ -126,14 +127,16 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& fr
 }
 
 // A match with its significance: by all that speaks for it, or where the camera is assumed, by its response alone,
-// because sizes are known to some per cent then. std::nullopt if it promises nothing.
+// because sizes are known to some per cent then. std::nullopt if it promises nothing. Below `min_neg_log10_nfa` it may
+// be less exact.
 Expected<std::optional<ShapeMatch>> ShapeSearch::Judge(const FramePyramid& frame, const FrameConditions& conditions,
-                                                       ShapeMatch match, double decades_assumed) const {
+                                                       ShapeMatch match, double decades_assumed,
+                                                       double min_neg_log10_nfa) const {
   match.neg_log10_nfa = NegLog10NfaOfResponse(match) - decades_assumed;
   if (decades_assumed > 0) return std::optional(match);
   if (match.response < kMinExamined) return std::optional<ShapeMatch>();
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<ShapeMatch> examined,
-                              SearchFor(match.model_index).Examine(frame, conditions, match));
+                              SearchFor(match.model_index).Examine(frame, conditions, match, min_neg_log10_nfa));
   return examined.value_or(match);
 }
 
@@ -271,11 +274,12 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
   const std::size_t m = last.model_index;
   const FrameConditions* conditions = CameraOf(given);
   if (templates_->surfaces(m) == nullptr) return std::optional<ShapeMatch>();
-  VICTORIOUS_ASSIGN_OR_RETURN(const RenderedSurface rendered, templates_->surfaces(m)->GetSurface(last.view));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const RenderedSurface> rendered,
+                              templates_->GetSurface(m, last.view));
   if (conditions == nullptr) {
     const auto contours = std::ranges::find(contours_, m, &std::pair<std::size_t, ContourModel>::first);
     if (contours == contours_.end()) return std::optional<ShapeMatch>();
-    const ContourPose start = PoseOf(last, models_[m], rendered, shift_px, grey.size());
+    const ContourPose start = PoseOf(last, models_[m], *rendered, shift_px, grey.size());
     std::optional<ContourMatch> again = FindContoursNear(contours->second, grey, start);
     if (!again) return std::optional<ShapeMatch>();
     again->neg_log10_nfa += decades_of_other_frames_;
@@ -284,7 +288,7 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
   const double azimuth_deg = DegreesFromRadians(models_[m].views[last.view].angles->azimuth_rad);
   const Place place{
       .model = m,
-      .at_px = last.fit.scene_from_template.Apply(rendered.centre_px) + shift_px,
+      .at_px = last.fit.scene_from_template.Apply(rendered->centre_px) + shift_px,
       .azimuth_deg = static_cast<int>(std::lround(azimuth_deg / kFineHeadingStep_deg)) * kFineHeadingStep_deg,
       .assumed = {}};
   const FramePyramid pyramid(grey);
@@ -292,7 +296,8 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
                               SearchFor(m).Match(pyramid, *conditions, place, kFineHeadings));
   if (!match) return match;
   VICTORIOUS_ASSIGN_OR_RETURN(match,
-                              Judge(pyramid, *conditions, *match, conditions == &given ? 0 : kDecadesOfAssumedCamera));
+                              Judge(pyramid, *conditions, *match, conditions == &given ? 0 : kDecadesOfAssumedCamera,
+                                    kMinDecadesInOnePlace - kDecadesOfOnePlace));
   if (!match) return match;
   match->neg_log10_nfa += kDecadesOfOnePlace;
   if (match->neg_log10_nfa < (match->is_examined ? kMinDecadesInOnePlace : kMinDecadesUnexamined)) match.reset();
@@ -302,15 +307,15 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::FindAgain(const cv::Mat& grey, 
 Expected<Detection> ShapeSearch::MakeDetection(const ShapeMatch& match, FeatureSet& features) const {
   const ObjectModel& model = models_[match.model_index];
   const std::size_t view = templates_->NearestView(match.model_index, match.to_camera);
-  VICTORIOUS_ASSIGN_OR_RETURN(const RenderedSurface rendered,
-                              templates_->surfaces(match.model_index)->GetSurface(view));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const RenderedSurface> rendered,
+                              templates_->GetSurface(match.model_index, view));
   const Eigen::Matrix3d camera_from_model = CameraFromModel(match.to_camera).toRotationMatrix();
   const Eigen::Matrix3d camera_from_view =
       camera_from_model * CameraFromModel(*model.views[view].angles).toRotationMatrix().transpose();
   Similarity2 scene_from_view{
-      .scale = match.pixels_per_m / rendered.pixels_per_m,
+      .scale = match.pixels_per_m / rendered->pixels_per_m,
       .rotation_rad = WrapAngle(match.lean_rad + std::atan2(camera_from_view(1, 0), camera_from_view(0, 0)))};
-  scene_from_view.translation = match.centre_px - scene_from_view.Linear() * rendered.centre_px;
+  scene_from_view.translation = match.centre_px - scene_from_view.Linear() * rendered->centre_px;
 
   Detection detection{.model_index = match.model_index, .view = view, .cue = DetectionCue::kShape};
   detection.neg_log10_nfa = match.neg_log10_nfa;
@@ -326,7 +331,7 @@ Expected<Detection> ShapeSearch::MakeDetection(const ShapeMatch& match, FeatureS
   const Box frame = FrameBox(features.image_width, features.image_height);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d from_centre =
-        Eigen::Vector3d(points[i].x, points[i].y, points[i].z) - rendered.centre_in_model_m;
+        Eigen::Vector3d(points[i].x, points[i].y, points[i].z) - rendered->centre_in_model_m;
     const Eigen::Vector3d in_camera = camera_from_model * from_centre;
     const Vector2d at_px = match.centre_px + turned.Apply(in_camera.head<2>());
     if (at_px.x() < frame.x || at_px.y() < frame.y || at_px.x() >= frame.x + frame.width ||

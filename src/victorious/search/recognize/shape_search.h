@@ -154,7 +154,8 @@ class ShapeSearch {
                                                              std::size_t parts, double decades_assumed,
                                                              double min_neg_log10_nfa) const;
   [[nodiscard]] Expected<std::optional<ShapeMatch>> Judge(const FramePyramid& frame, const FrameConditions& conditions,
-                                                          ShapeMatch match, double decades_assumed) const;
+                                                          ShapeMatch match, double decades_assumed,
+                                                          double min_neg_log10_nfa) const;
 
   std::span<const ObjectModel> models_;
   std::unique_ptr<Templates> templates_;

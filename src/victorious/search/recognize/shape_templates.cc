@@ -33,6 +33,7 @@ std::size_t MaxBytes(std::size_t models) {
 }
 
 constexpr std::size_t kMaxContourBytes = 16'000'000;
+constexpr std::size_t kMaxSurfaceBytes = 16'000'000;  // some hundred
 
 std::size_t Bytes(const ShapeBank& bank) {
   return sizeof(bank) + bank.templates.capacity() * sizeof(ShapeTemplate) +
@@ -118,7 +119,8 @@ ShapeSearch::Templates::Templates(std::span<const ObjectModel> models,
       fine_(background, kFineSide),
       finest_(background, kFinestSide),
       made_(MaxBytes(models.size())),
-      contours_(kMaxContourBytes) {
+      contours_(kMaxContourBytes),
+      drawn_surfaces_(kMaxSurfaceBytes) {
   for (std::size_t m = 0; m < models.size(); ++m) {
     const bool can_be_drawn = m < surfaces.size() && surfaces[m] != nullptr && models[m].box_m;
     surfaces_.push_back(can_be_drawn ? surfaces[m] : nullptr);
@@ -173,6 +175,14 @@ Expected<std::shared_ptr<const ContourModel>> ShapeSearch::Templates::GetContour
   return contours_.Put({model, view}, std::move(contours), bytes);
 }
 
+Expected<std::shared_ptr<const RenderedSurface>> ShapeSearch::Templates::GetSurface(std::size_t model,
+                                                                                    std::size_t view) const {
+  if (std::shared_ptr<const RenderedSurface> found = drawn_surfaces_.Find({model, view})) return found;
+  VICTORIOUS_ASSIGN_OR_RETURN(RenderedSurface rendered, surfaces_[model]->GetSurface(view));
+  const std::size_t bytes = sizeof(rendered) + rendered.surface.points.capacity() * sizeof(SurfacePoint);
+  return drawn_surfaces_.Put({model, view}, std::move(rendered), bytes);
+}
+
 Expected<std::vector<DrawnCells>> ShapeSearch::Templates::FindOrDraw(const ShapeBankKey& key) const {
   const RelitTemplateSource& source = *surfaces_[key.model];
   const std::string name = NameOf(key);
@@ -198,9 +208,9 @@ Expected<std::vector<DrawnCells>> ShapeSearch::Templates::Draw(const ShapeBankKe
           .azimuth_rad = SunAzimuthInModel(view.to_camera.azimuth_rad, RadiansFromDegrees(*key.sun_azimuth_deg)),
           .off_nadir_rad = kPi / 2 - RadiansFromDegrees(key.sun_elevation_deg)};
     }
-    VICTORIOUS_ASSIGN_OR_RETURN(const RenderedSurface rendered,
-                                surfaces_[key.model]->GetSurface(NearestView(key.model, view.to_camera)));
-    std::array<DrawnCells, kTemplatePaints> of_paints = DrawCells(rendered.surface, view, key.window());
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const RenderedSurface> rendered,
+                                GetSurface(key.model, NearestView(key.model, view.to_camera)));
+    std::array<DrawnCells, kTemplatePaints> of_paints = DrawCells(rendered->surface, view, key.window());
     if (key.azimuth_deg) {
       std::ranges::move(of_paints, std::back_inserter(drawn));
     } else {

@@ -91,6 +91,10 @@ class ShapeSearch::Templates {
   /// The view of a model from the direction nearest to this one.
   [[nodiscard]] std::size_t NearestView(std::size_t model, const ViewDirection& direction) const;
 
+  /// The surface of a view of a model that can be searched for. Never null.
+  /// Errors: those of RelitTemplateSource.
+  [[nodiscard]] Expected<std::shared_ptr<const RenderedSurface>> GetSurface(std::size_t model, std::size_t view) const;
+
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::shared_ptr<const ShapeBank>> Get(const ShapeBankKey& key) const;
 
@@ -112,7 +116,9 @@ class ShapeSearch::Templates {
   BackgroundSpectrum fine_;
   BackgroundSpectrum finest_;
   mutable RecentItems<ShapeBankKey, ShapeBank> made_;
-  mutable RecentItems<std::pair<std::size_t, std::size_t>, ContourModel> contours_;  // by model and view
+  using ModelAndView = std::pair<std::size_t, std::size_t>;
+  mutable RecentItems<ModelAndView, ContourModel> contours_;
+  mutable RecentItems<ModelAndView, RenderedSurface> drawn_surfaces_;
 };
 
 }  // namespace victorious
