@@ -17,6 +17,7 @@
 
 #include "victorious/apps/cli/arguments.h"
 #include "victorious/apps/cli/command.h"
+#include "victorious/apps/cli/detection_arguments.h"
 #include "victorious/apps/cli/output_files.h"
 #include "victorious/apps/cluster/index_task.h"
 #include "victorious/base/count_text.h"
@@ -53,6 +54,7 @@ struct IndexArguments {
   std::vector<std::string> videos;
   std::string models;
   std::string categories;
+  DetectionArguments list;
   std::string db;
   SearchSettings search;
   IndexJob job;  // of each video
@@ -125,7 +127,8 @@ Status SetKeptFeatures(const std::string& text, KeepOptions& keep) {
 
 Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::vector<ObjectModel>& models) {
   VICTORIOUS_ASSIGN_OR_RETURN(IndexOptions options, ReadIndexOptions(arguments.search, models));
-  VICTORIOUS_RETURN_IF_ERROR(SetKeptFeatures(arguments.keep_features, options.keep));
+  VICTORIOUS_RETURN_IF_ERROR(
+      SetKeptFeatures(arguments.list.file.empty() ? arguments.keep_features : "none", options.keep));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, options.telemetry));
   ApplyGround(arguments.ground, options.ground);
@@ -146,8 +149,22 @@ Expected<std::shared_ptr<const RelitTemplateFolder>> OpenRelitTemplates(const st
   return RelitTemplateFolder::Open(cache);
 }
 
+// The categories that are searched for, or what another program found; std::nullopt: neither.
+Expected<std::optional<CategorySourceInput>> ReadCategories(const IndexArguments& arguments) {
+  if (!arguments.list.file.empty()) {
+    VICTORIOUS_ASSIGN_OR_RETURN(DetectionList list, ReadDetections(arguments.list, arguments.videos.front()));
+    LogInfo("{}: {} in {}", OneLine(arguments.list.file), CountText(list.CountBoxes(), "detection"),
+            CountText(list.frames.size(), "frame"));
+    return std::optional<CategorySourceInput>(std::move(list));
+  }
+  if (arguments.categories.empty()) return std::optional<CategorySourceInput>();
+  VICTORIOUS_ASSIGN_OR_RETURN(CategorySourceModel categories, ReadCategorySource(arguments.categories));
+  return std::optional<CategorySourceInput>(std::move(categories));
+}
+
+// What another program found is entered anew: that costs no search.
 Redo RedoOf(const IndexArguments& arguments) {
-  if (arguments.redo) return Redo::kAlways;
+  if (arguments.redo || !arguments.list.file.empty()) return Redo::kAlways;
   return arguments.redo_other ? Redo::kIfDifferent : Redo::kNever;
 }
 
@@ -165,10 +182,22 @@ Status CheckArguments(const IndexArguments& arguments) {
     return Fail(ErrorCode::kInvalidArgument,
                 "--telemetry applies to one video: index several videos one after the other");
   }
-  if (arguments.models.empty() && arguments.categories.empty()) {
+  const bool has_list = !arguments.list.file.empty();
+  VICTORIOUS_RETURN_IF_ERROR(CheckDetections(arguments.list));
+  if (has_list && !(arguments.models.empty() && arguments.categories.empty() && arguments.videos.size() == 1)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--detections are those of one video, and are entered, not searched for: give one VIDEO, and neither "
+                "--models nor --categories");
+  }
+  if (has_list && (arguments.cut_s || !arguments.frames.empty() || arguments.videos.front().contains("://"))) {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--detections are entered in one piece, in a file: give neither a live source nor a part of a video");
+  }
+  if (arguments.models.empty() && arguments.categories.empty() && !has_list) {
     return Fail(ErrorCode::kInvalidArgument,
                 "nothing to search for: give --models (`victorious model add` makes one), --categories (`victorious "
-                "category train` or `category import` makes one), or both");
+                "category train` or `category import` makes one), or both; or --detections, what another program "
+                "found");
   }
   if (arguments.job.from_s && arguments.job.to_s && *arguments.job.from_s > *arguments.job.to_s) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--from {:g} is after --to {:g}: --to must be the later time",
@@ -365,9 +394,10 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   if (arguments.videos.size() > 1) {
     VICTORIOUS_ASSIGN_OR_RETURN(relit_templates, MakeRelitViews(models, relit_folder.get()));
   }
-  std::optional<CategorySourceModel> categories;
-  if (!arguments.categories.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(categories, ReadCategorySource(arguments.categories));
+  VICTORIOUS_ASSIGN_OR_RETURN(std::optional<CategorySourceInput> categories, ReadCategories(arguments));
+  std::optional<std::int64_t> last_listed;
+  if (categories && std::holds_alternative<DetectionList>(*categories)) {
+    last_listed = std::get<DetectionList>(*categories).frames.rbegin()->first;
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
@@ -426,6 +456,7 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
     if (arguments.json) VICTORIOUS_RETURN_IF_ERROR(WriteOutput("", DumpJson(ToJson(video, report->index)) + "\n"));
   }
   if (failure) return std::unexpected(*std::move(failure));
+  if (last_listed) VICTORIOUS_RETURN_IF_ERROR(WarnOfLaterDetections(job.StoredName(), *last_listed, *store));
   if (device) LogInfo("descriptors were compared on {}", device->name());
   if (!arguments.draw.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(const IndexedDrawing drawing,
@@ -448,6 +479,7 @@ Action SetUpIndex(ArgumentParser& parser) {
            "A category model (`victorious category train`) or a detector (`category import`), whose categories are "
            "searched for as well")
       .TypeName("FILE");
+  AddDetections(parser, arguments->list);
   AddDb(parser, arguments->db, "The index; created if it does not exist");
   parser
       .Add("--telemetry", arguments->job.telemetry,

@@ -12,6 +12,7 @@
 #include "victorious/category/channels/channel_file.h"
 #include "victorious/category/finder/category_finder.h"
 #include "victorious/category/finder/channel_source.h"
+#include "victorious/category/finder/detection_list_source.h"
 #include "victorious/category/finder/detector_source.h"
 
 namespace victorious {
@@ -52,9 +53,14 @@ Expected<CategorySourceModel> ReadCategorySource(const std::filesystem::path& pa
   return ReadCategoryModel(path);
 }
 
-Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourceModel model,
+Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourceInput input,
                                                                    const CategoryFindOptions& options,
                                                                    const DetectorOptions& detector) {
+  if (auto* list = std::get_if<DetectionList>(&input)) {
+    VICTORIOUS_ASSIGN_OR_RETURN(DetectionListSource source, DetectionListSource::Create(std::move(*list)));
+    return std::make_shared<const DetectionListSource>(std::move(source));
+  }
+  auto& model = std::get<CategorySourceModel>(input);
   if (auto* trained = std::get_if<CategoryModel>(&model)) {
     VICTORIOUS_ASSIGN_OR_RETURN(CategoryFinder finder, CategoryFinder::Create(std::move(*trained), options));
     return std::make_shared<const CategoryFinder>(std::move(finder));

@@ -1,6 +1,6 @@
 // What finds objects of categories in frames: a model that was trained here (category_finder.h), a detector by channels
-// that was trained here (channel_source.h), or a detection network that was imported (detector_source.h). All make
-// sightings alike.
+// that was trained here (channel_source.h), a detection network that was imported (detector_source.h), or another
+// program that has found them before (detection_list_source.h). All make sightings alike.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +17,7 @@
 #include "victorious/base/options.h"
 #include "victorious/category/category_model.h"
 #include "victorious/category/channels/channel_detector.h"
+#include "victorious/category/finder/detection_list.h"
 #include "victorious/category/network/network_detector.h"
 #include "victorious/geometry/box.h"
 #include "victorious/types/frame.h"
@@ -50,10 +51,11 @@ class ReportedCategories {
 };
 
 struct FoundCategory {
-  std::size_t category = 0;  ///< index into CategorySource::names()
-  Box box;                   ///< px, inside the frame
-  double probability = 0;    ///< calibrated; of a detector its own score
-  bool is_tracked = false;   ///< from an earlier frame to this one
+  std::size_t category = 0;                ///< index into CategorySource::names()
+  Box box;                                 ///< px, inside the frame
+  double probability = 0;                  ///< calibrated; of a detector its own score
+  bool is_tracked = false;                 ///< from an earlier frame to this one
+  std::optional<std::int64_t> track = {};  ///< of a source that follows objects by itself: the same object
 };
 
 /// Thread-safe.
@@ -73,6 +75,8 @@ class CategorySource {
 
   /// True for a detector: it needs Frame::bgr, searches some of the frames, and what it finds is tracked in between.
   [[nodiscard]] virtual bool IsDetector() const { return false; }
+  /// True for what was found before, in one video: it is entered, nothing is searched for.
+  [[nodiscard]] virtual bool IsListed() const { return false; }
   /// What a search of a frame of this size takes, for a person; empty: nothing to say.
   [[nodiscard]] virtual std::string DescribeSearch([[maybe_unused]] cv::Size frame) const { return {}; }
 
@@ -82,12 +86,15 @@ class CategorySource {
 /// The content of a file of categories, of any kind.
 using CategorySourceModel = std::variant<CategoryModel, DetectorModel, ChannelModel>;
 
+/// What a source is made of.
+using CategorySourceInput = std::variant<CategorySourceModel, DetectionList>;
+
 /// Reads a category model, a detector by channels or an imported detector. Errors: those of ReadCategoryModel,
 /// ReadChannelModel and ReadDetector.
 [[nodiscard]] Expected<CategorySourceModel> ReadCategorySource(const std::filesystem::path& path);
 
-/// Errors: those of CategoryFinder::Create, ChannelSource::Create and DetectorSource::Create.
-[[nodiscard]] Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourceModel model,
+/// Errors: those of Create() of CategoryFinder, ChannelSource, DetectorSource and DetectionListSource.
+[[nodiscard]] Expected<std::shared_ptr<const CategorySource>> MakeCategorySource(CategorySourceInput input,
                                                                                  const CategoryFindOptions& options,
                                                                                  const DetectorOptions& detector);
 

@@ -18,6 +18,7 @@ SightingRecord CategorySighting(const IndexPass& pass, const Frame& frame, const
           .box = found.box,
           .score = found.probability,
           .source = found.is_tracked ? SightingSource::kTracked : SightingSource::kRecognised,
+          .track = found.track,
           .observation = object_pose ? MakeBearingObservation(*object_pose, known) : std::nullopt};
 }
 

@@ -206,7 +206,9 @@ Status IndexRun::Begin(std::vector<PlannedPass>& plan) {
   VICTORIOUS_RETURN_IF_ERROR(store_.PutShownGround(
       record.id, path == nullptr ? std::vector<GeoBox>() : ShownGround(path->states(), record.width, record.height)));
   // The frames to be kept, and their features, may now be others.
-  if (video_.is_redone) VICTORIOUS_RETURN_IF_ERROR(store_.DeleteKeptFrames(record.id));
+  const bool keeps_features = !setup_.EntersList();
+  if (video_.is_redone && keeps_features) VICTORIOUS_RETURN_IF_ERROR(store_.DeleteKeptFrames(record.id));
+  if (setup_.EntersList()) VICTORIOUS_RETURN_IF_ERROR(DeleteListedBefore());
   std::vector<std::int64_t> ids;
   for (const ModelRecord& target : setup_.targets) {
     WarnIfChanged(target, models_before_, warn_);
@@ -220,7 +222,16 @@ Status IndexRun::Begin(std::vector<PlannedPass>& plan) {
       pass.searches[i].model = ids[pass.targets[i]];
     }
   }
-  return store_.SetVideoFeatures(record.id, parameters_.features);
+  return keeps_features ? store_.SetVideoFeatures(record.id, parameters_.features) : Status();
+}
+
+// What a detector had found by an earlier list is that of the video no more, whatever its class.
+Status IndexRun::DeleteListedBefore() {
+  for (const ModelRecord& before : models_before_) {
+    if (!before.IsCategory() || before.content_id != setup_.categories->content_id()) continue;
+    VICTORIOUS_RETURN_IF_ERROR(store_.DeleteSearch(video_.record.id, before.id));
+  }
+  return {};
 }
 
 Expected<IndexReport> IndexRun::Search() {

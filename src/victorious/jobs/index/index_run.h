@@ -107,6 +107,7 @@ class IndexRun {
  private:
   // Corrects the clock of the telemetry, unless its offset is given.
   [[nodiscard]] Status CorrectClock();
+  [[nodiscard]] Status DeleteListedBefore();
   // For a short video without telemetry: by assumed attitudes, which the cameras then have for the search.
   [[nodiscard]] Status AssumeSun(const Recognizer& recognizer);
 

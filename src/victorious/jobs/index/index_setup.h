@@ -23,6 +23,8 @@ struct IndexSetup {
   /// What is searched for as the store has it, but for the ids: the models in their order, then the categories.
   std::vector<ModelRecord> targets;
 
+  /// True if nothing is searched for: what another program found is entered.
+  [[nodiscard]] bool EntersList() const { return categories != nullptr && categories->IsListed(); }
   [[nodiscard]] bool IsModel(std::size_t target) const { return target < models->size(); }
 };
 

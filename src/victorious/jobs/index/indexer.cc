@@ -48,7 +48,7 @@ WarningSink OrSilence(const WarningSink& warn) {
 }  // namespace
 
 Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOptions& options,
-                                  std::optional<CategorySourceModel> categories, const WarningSink& warn) {
+                                  std::optional<CategorySourceInput> categories, const WarningSink& warn) {
   VICTORIOUS_RETURN_IF_ERROR(ValidateOptions(options));
   IndexSetup setup{
       .models = {}, .options = options, .extractor = {}, .kept_extractor = {}, .categories = {}, .targets = {}};

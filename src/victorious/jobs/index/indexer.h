@@ -35,7 +35,7 @@ class Indexer {
   /// Errors: kInvalidArgument for parameters out of range, models of different feature engines, or a model and a
   /// category with the same name; those of MakeCategorySource and of MakeGround.
   [[nodiscard]] static Expected<Indexer> Create(std::vector<ObjectModel> models, const IndexOptions& options,
-                                                std::optional<CategorySourceModel> categories = {},
+                                                std::optional<CategorySourceInput> categories = {},
                                                 const WarningSink& warn = {});
 
   /// Whether Index deletes the results that the store has of the targets in a video, and searches it again.
