@@ -1,7 +1,9 @@
 """`index --detections`: what another program found becomes objects of the index."""
 
+import contextlib
 import json
 import shutil
+import sqlite3
 import unittest
 
 import program
@@ -14,6 +16,10 @@ class DetectionsTest(program.ProgramTest):
         self.truth = [json.loads(line) for line in (program.flight() / "truth.jsonl").read_text().splitlines()]
         self.names = sorted({row["model"] for row in self.truth})
         self.db = self.scratch / "index.db"
+
+    def count(self, table: str) -> int:
+        with contextlib.closing(sqlite3.connect(self.db)) as index:
+            return index.execute(f"SELECT count(*) FROM {table}").fetchone()[0]
 
     def coco(self, **changes) -> dict:
         frames = sorted({row["frame"] for row in self.truth})
@@ -76,11 +82,18 @@ class DetectionsTest(program.ProgramTest):
         rows = self.entered(self.write("yolo.json", json.dumps(self.coco(annotations=only))))
         self.assertEqual({row["category"] for row in rows}, {f"yolo/{self.names[0]}"})
         self.assertEqual(len(rows), len(only))
+        self.assertEqual(self.entered(self.write("yolo.json", json.dumps(self.coco(annotations=[])))), [], "nothing found")
 
     def test_beside_a_search(self):
         shutil.copy(program.index(), self.db)
         before = self.succeeds("export", "--db", self.db, "--format", "sightings").rows()
-        rows = self.entered(self.write("yolo.json", json.dumps(self.coco())))
+        kept = self.count("kept_frames")
+        self.assertGreater(kept, 0)
+        file = self.write("yolo.json", json.dumps(self.coco()))
+        for _ in range(2):
+            rows = self.entered(file, "--every", "5")
+        self.assertEqual(len(rows) - len(before), len(self.truth), "each box, whatever the interval of searches")
+        self.assertEqual(self.count("kept_frames"), kept)
         self.assertEqual([row for row in rows if row["model"]], before, "what was searched stays")
         self.assertGreater(len(rows), len(before))
         self.succeeds("doctor", self.db, "--check")
@@ -100,6 +113,8 @@ class DetectionsTest(program.ProgramTest):
         index = ("index", self.video, "--db", self.db)
         self.refuses(2, "give that, too", *index, "--models", program.models(), "--detector", "yolo")
         self.refuses(2, "are entered, not searched for", *index, "--detections", file, "--models", program.models())
+        self.refuses(2, "for the whole video", *index, "--detections", file, "--from", "1")
+        self.refuses(2, "no name of a detector", *index, "--detections", file, "--detector", "a/b")
         self.refuses(2, "not JSON", *index, "--detections", self.write("bad.json", "{"))
         self.refuses(2, "line 1", *index, "--detections", self.write("bad.txt", "1,2,3\n"))
         self.refuses(2, "give --first-frame 0", *index, "--detections", self.write("zero.txt", "0,1,1,1,9,9,1\n"))

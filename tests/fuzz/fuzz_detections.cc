@@ -36,7 +36,7 @@ void CheckResult(const victorious::Expected<DetectionList>& list) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::vector<std::string> names = {"car", "truck"};
-  CheckResult(victorious::ParseCocoDetections(text, "d.json", "v.mp4"));
+  CheckResult(victorious::ParseCocoDetections(text, "d.json", "v.mp4", names));
   CheckResult(victorious::ParseMotDetections(text, "d.txt", names));
   DetectionList list{.is_relative = true};
   const victorious::Status labels = victorious::ParseYoloLabels(text, "v_1.txt", 1, names, list);

@@ -153,8 +153,6 @@ Expected<std::shared_ptr<const RelitTemplateFolder>> OpenRelitTemplates(const st
 Expected<std::optional<CategorySourceInput>> ReadCategories(const IndexArguments& arguments) {
   if (!arguments.list.file.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(DetectionList list, ReadDetections(arguments.list, arguments.videos.front()));
-    LogInfo("{}: {} in {}", OneLine(arguments.list.file), CountText(list.CountBoxes(), "detection"),
-            CountText(list.frames.size(), "frame"));
     return std::optional<CategorySourceInput>(std::move(list));
   }
   if (arguments.categories.empty()) return std::optional<CategorySourceInput>();
@@ -189,9 +187,12 @@ Status CheckArguments(const IndexArguments& arguments) {
                 "--detections are those of one video, and are entered, not searched for: give one VIDEO, and neither "
                 "--models nor --categories");
   }
-  if (has_list && (arguments.cut_s || !arguments.frames.empty() || arguments.videos.front().contains("://"))) {
+  const bool is_part = arguments.job.from_s || arguments.job.to_s || arguments.cut_s || !arguments.frames.empty() ||
+                       !arguments.job.covers.empty();
+  if (has_list && (is_part || !arguments.keep_features.empty())) {
     return Fail(ErrorCode::kInvalidArgument,
-                "--detections are entered in one piece, in a file: give neither a live source nor a part of a video");
+                "--detections are entered for the whole video, and no features are kept: give none of --from, --to and "
+                "--keep-features");
   }
   if (arguments.models.empty() && arguments.categories.empty() && !has_list) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -396,12 +397,16 @@ Status Run(const IndexArguments& arguments, const ArgumentParser& parser) {
   }
   VICTORIOUS_ASSIGN_OR_RETURN(std::optional<CategorySourceInput> categories, ReadCategories(arguments));
   std::optional<std::int64_t> last_listed;
-  if (categories && std::holds_alternative<DetectionList>(*categories)) {
-    last_listed = std::get<DetectionList>(*categories).frames.rbegin()->first;
+  std::string listed;
+  if (const auto* list = categories ? std::get_if<DetectionList>(&*categories) : nullptr) {
+    if (!list->frames.empty()) last_listed = list->frames.rbegin()->first;
+    listed =
+        fmt::format("{} in {}", CountText(list->CountBoxes(), "detection"), CountText(list->frames.size(), "frame"));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const Indexer indexer,
                               Indexer::Create(std::move(models), options, std::move(categories),
                                               [](const std::string& warning) { LogWarning(warning); }));
+  if (!listed.empty()) LogInfo("{}: {}", OneLine(arguments.list.file), listed);
   // Before anything is stored: another model of the same name would delete the results of this one in all videos.
   if (!arguments.targets.empty()) VICTORIOUS_RETURN_IF_ERROR(CheckTargets(arguments.targets, indexer.targets()));
   // A video that cannot be searched does not prevent the others from being indexed. Without any, no index is created.

@@ -17,13 +17,13 @@ void AddDetections(ArgumentParser& parser, DetectionArguments& arguments) {
       .Add("--detections", arguments.file,
            "What another program found in VIDEO, to be entered as categories DETECTOR/CLASS: placed, joined to objects "
            "and shown as what a search finds. A COCO file, a MOTChallenge text, or a folder of YOLO's labels "
-           "(docs/formats/detections.md). Replaces what was entered of the detector in this video before")
+           "(docs/formats/detections.md). Earlier detections of the same detector in this video are replaced")
       .TypeName("FILE");
   parser.Add("--detector", arguments.detector, "The name of what found them (default: the name of the file)")
       .TypeName("NAME");
   parser
       .Add("--classes", arguments.classes,
-           "Text file with the names of their classes, one a line, for MOTChallenge and YOLO")
+           "Text file with the names of their classes, one a line, where they have none (MOTChallenge, YOLO)")
       .TypeName("FILE");
   parser
       .Add("--first-frame", arguments.first_frame,

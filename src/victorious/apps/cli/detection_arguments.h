@@ -22,7 +22,7 @@ struct DetectionArguments {
 /// Adds --detections, --detector, --classes and --first-frame.
 void AddDetections(ArgumentParser& parser, DetectionArguments& arguments);
 
-/// Error: kInvalidArgument if it is said how to read what is not given.
+/// Error: kInvalidArgument if --detector, --classes or --first-frame is given without --detections.
 [[nodiscard]] Status CheckDetections(const DetectionArguments& arguments);
 
 /// Errors: those of ReadDetectionList and ParseClassList.

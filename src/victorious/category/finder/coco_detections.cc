@@ -22,9 +22,12 @@ constexpr double kMaxPixels = 1e6;
 constexpr std::int64_t kMaxFrame = 1'000'000'000;
 
 std::optional<std::int64_t> WholeNumber(const json& object, const char* key) {
+  constexpr double kMaxExact = 9e15;
   const auto found = object.find(key);
-  if (found == object.end() || !found->is_number_integer()) return std::nullopt;
-  return found->get<std::int64_t>();
+  if (found == object.end() || !found->is_number()) return std::nullopt;
+  const double value = found->get<double>();
+  if (std::abs(value) > kMaxExact || value != std::floor(value)) return std::nullopt;
+  return static_cast<std::int64_t>(value);
 }
 
 std::string TextOf(const json& object, const char* key) {
@@ -68,13 +71,14 @@ Expected<std::optional<std::int64_t>> VideoOf(const json& file, const std::strin
                           shown.size(), OneLine(FileNameOf(video))));
 }
 
-// The frames of the images of one video, by id.
-Expected<std::map<std::int64_t, std::int64_t>> FramesOf(const json& file, const std::string& name,
-                                                        std::optional<std::int64_t> video) {
-  std::map<std::int64_t, std::int64_t> frames;
+// The frames of the images, by id; std::nullopt for those of other videos.
+Expected<std::map<std::int64_t, std::optional<std::int64_t>>> FramesOf(const json& file, const std::string& name,
+                                                                       std::optional<std::int64_t> video) {
+  std::map<std::int64_t, std::optional<std::int64_t>> frames;
   for (const json& image : ListOf(file, "images")) {
     const auto id = image.is_object() ? WholeNumber(image, "id") : std::nullopt;
     if (!id) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: an image without a whole `id`", name));
+    frames[*id] = std::nullopt;
     if (video && WholeNumber(image, "video_id") != video) continue;
     const std::optional<std::int64_t> frame = FrameOfImage(image);
     if (!frame || *frame < 0 || *frame > kMaxFrame) {
@@ -107,27 +111,34 @@ std::optional<std::int64_t> TrackOf(const json& annotation) {
 // Takes boxes into a list, with the names of their categories.
 class BoxTaker {
  public:
-  BoxTaker(const json& categories, DetectionList& list) : list_(list) {
+  /// @param class_names  of categories without a name, by id
+  BoxTaker(const json& categories, std::span<const std::string> class_names, DetectionList& list) : list_(list) {
+    for (std::size_t id = 0; id < class_names.size(); ++id) names_[static_cast<std::int64_t>(id)] = class_names[id];
     for (const json& one : categories) {
       const auto id = one.is_object() ? WholeNumber(one, "id") : std::nullopt;
       if (id) names_[*id] = OneLine(TextOf(one, "name"));
     }
   }
 
-  void Take(const json& annotation, const Box& box, std::int64_t frame) {
-    if (!(box.width > 0 && box.height > 0)) return;
+  Status Take(const json& annotation, const Box& box, std::int64_t frame) {
+    if (!(box.width > 0 && box.height > 0)) return {};
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::size_t category, CategoryOf(annotation));
     const auto score = annotation.find("score");
     const bool has_score = score != annotation.end() && score->is_number();
-    list_.frames[frame].push_back({.category = CategoryOf(WholeNumber(annotation, "category_id").value_or(0)),
+    list_.frames[frame].push_back({.category = category,
                                    .box = box,
                                    .score = has_score ? std::clamp(score->get<double>(), 0.0, 1.0) : 1,
                                    .track = TrackOf(annotation)});
+    return {};
   }
 
  private:
-  std::size_t CategoryOf(std::int64_t id) {
-    std::string& name = names_[id];
-    if (name.empty()) name = fmt::format("class-{}", id);
+  Expected<std::size_t> CategoryOf(const json& annotation) {
+    if (!annotation.contains("category_id")) return list_.AddClass("object");
+    const std::optional<std::int64_t> id = WholeNumber(annotation, "category_id");
+    if (!id) return Fail(ErrorCode::kInvalidArgument, "its `category_id` must be a whole number");
+    std::string& name = names_[*id];
+    if (name.empty()) name = fmt::format("class-{}", *id);
     return list_.AddClass(name);
   }
 
@@ -137,12 +148,13 @@ class BoxTaker {
 
 }  // namespace
 
-Expected<DetectionList> ParseCocoDetections(std::string_view text, const std::string& name, const std::string& video) {
+Expected<DetectionList> ParseCocoDetections(std::string_view text, const std::string& name, const std::string& video,
+                                            std::span<const std::string> class_names) {
   const Expected<json> file = ParseStrictJson(text);
   if (!file) return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, file.error().message));
   const bool is_results = file->is_array();
   const json& annotations = is_results ? *file : ListOf(*file, "annotations");
-  if (annotations.empty()) {
+  if (!is_results && !file->contains("annotations")) {
     return Fail(
         ErrorCode::kInvalidArgument,
         fmt::format("{}: no `annotations`: give a COCO file with `images`, `annotations` and `categories`, or a "
@@ -152,25 +164,25 @@ Expected<DetectionList> ParseCocoDetections(std::string_view text, const std::st
   VICTORIOUS_ASSIGN_OR_RETURN(const std::optional<std::int64_t> of_video, VideoOf(*file, name, video));
   VICTORIOUS_ASSIGN_OR_RETURN(const auto frames, FramesOf(*file, name, of_video));
   DetectionList list;
-  BoxTaker taker(ListOf(*file, "categories"), list);
+  BoxTaker taker(ListOf(*file, "categories"), class_names, list);
+  const auto fail = [&](std::size_t number, const std::string& what) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: annotation {}: {}", name, number, what));
+  };
   for (std::size_t i = 0; i < annotations.size(); ++i) {
     const json& one = annotations[i];
     const auto image = one.is_object() ? WholeNumber(one, "image_id") : std::nullopt;
     const auto box = one.is_object() ? BoxOf(one) : std::nullopt;
-    if (!image || !box) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: annotation {}: must have a whole `image_id` and a `bbox` of four numbers", name, i));
+    if (!image || !box) return fail(i, "must have a whole `image_id` and a `bbox` of four numbers");
+    std::optional<std::int64_t> frame = image;
+    if (is_results && (*image < 0 || *image > kMaxFrame))
+      return fail(i, fmt::format("image_id {} is no frame", *image));
+    if (!is_results) {
+      const auto found = frames.find(*image);
+      if (found == frames.end()) return fail(i, fmt::format("there is no image {}", *image));
+      frame = found->second;
     }
-    const auto frame = frames.find(*image);
-    if (is_results) {
-      if (*image < 0 || *image > kMaxFrame) {
-        return Fail(ErrorCode::kInvalidArgument,
-                    fmt::format("{}: annotation {}: image_id {} is no frame", name, i, *image));
-      }
-      taker.Take(one, *box, *image);
-    } else if (frame != frames.end()) {
-      taker.Take(one, *box, frame->second);
-    }
+    if (!frame) continue;
+    if (const Status taken = taker.Take(one, *box, *frame); !taken) return fail(i, taken.error().message);
   }
   return list;
 }

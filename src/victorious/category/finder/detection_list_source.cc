@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "victorious/base/one_line.h"
+#include "victorious/category/network/detector_file.h"
 #include "victorious/types/index_records.h"
 
 namespace victorious {
@@ -14,6 +16,16 @@ DetectionListSource::DetectionListSource(DetectionList list)
 }
 
 Expected<DetectionListSource> DetectionListSource::Create(DetectionList list) {
+  if (const Status named = CheckClassName(list.detector); !named || list.detector.contains('/')) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no name of a detector: give --detector NAME, of 1 to 100 bytes without / and control "
+                            "characters",
+                            OneLine(list.detector)));
+  }
+  for (const std::string& name : list.classes) {
+    const Status named = CheckClassName(name);
+    if (!named) return Fail(named.error().code, fmt::format("{}: {}", OneLine(name), named.error().message));
+  }
   if (list.detector == kBoxedContentId) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: names what people box: give the detector another name", list.detector));

@@ -15,7 +15,8 @@ inline constexpr std::string_view kListedContentId = "listed/";
 
 class DetectionListSource : public CategorySource {
  public:
-  /// Errors: kInvalidArgument for a name of the detector that is that of what people box.
+  /// Errors: kInvalidArgument for a class, or a detector, whose name cannot be that of a class (CheckClassName), for a
+  /// "/" in the detector's, and for that of what people box.
   [[nodiscard]] static Expected<DetectionListSource> Create(DetectionList list);
 
   /// "DETECTOR/CLASS"

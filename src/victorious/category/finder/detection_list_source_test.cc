@@ -1,5 +1,6 @@
 #include "victorious/category/finder/detection_list_source.h"
 
+#include <string>
 #include <utility>
 
 #include <gmock/gmock.h>
@@ -47,9 +48,11 @@ TEST(DetectionListSource, ScalesPartsOfTheFrame) {
   EXPECT_DOUBLE_EQ(box.height, 25);
 }
 
-TEST(DetectionListSource, RefusesTheNameOfWhatPeopleBox) {
-  DetectionList list{.detector = "boxed", .classes = {"car"}};
-  EXPECT_FALSE(DetectionListSource::Create(std::move(list)));
+TEST(DetectionListSource, RefusesNamesThatCannotBeStoredOrAreOfOthers) {
+  for (const std::string name : {"boxed", "a/b", "", "a\nb"}) {
+    EXPECT_FALSE(DetectionListSource::Create({.detector = name, .classes = {"car"}})) << name;
+  }
+  EXPECT_FALSE(DetectionListSource::Create({.detector = "yolo", .classes = {"a\tb"}}));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ constexpr std::string_view kCoco = R"({
     {"image_id": 11, "category_id": 9, "bbox": [5, 6, 0, 8]}]})";
 
 TEST(CocoDetections, AreThoseOfTheVideoByItsName) {
-  const auto list = ParseCocoDetections(kCoco, "d.json", "/data/a.mp4");
+  const auto list = ParseCocoDetections(kCoco, "d.json", "/data/a.mp4", {});
   ASSERT_TRUE(list) << list.error().message;
   EXPECT_THAT(list->classes, ElementsAre("car"));
   ASSERT_EQ(list->CountBoxes(), 1U);
@@ -43,11 +43,11 @@ TEST(CocoDetections, AreThoseOfTheVideoByItsName) {
   ExpectBox(one, {1, 2, 30, 40});
   EXPECT_DOUBLE_EQ(one.score, 0.7);
   EXPECT_EQ(one.track, 5);
-  const auto other = ParseCocoDetections(kCoco, "d.json", "b.mp4");
+  const auto other = ParseCocoDetections(kCoco, "d.json", "b.mp4", {});
   ASSERT_TRUE(other) << other.error().message;
   EXPECT_EQ(other->CountBoxes(), 1U);  // the box without a width is none
   EXPECT_DOUBLE_EQ(other->frames.at(7).front().score, 1);
-  EXPECT_THAT(ErrorOf(ParseCocoDetections(kCoco, "d.json", "c.mp4")),
+  EXPECT_THAT(ErrorOf(ParseCocoDetections(kCoco, "d.json", "c.mp4", {})),
               HasSubstr("d.json: has boxes of 2 videos, none of them named c.mp4"));
 }
 
@@ -55,24 +55,28 @@ TEST(CocoDetections, TakeFramesFromFileNamesAndResultsByImageId) {
   const auto named = ParseCocoDetections(
       R"({"categories":[{"id":1,"name":"boat"}],"images":[{"id":1,"file_name":"f/frame_000012.png"}],
           "annotations":[{"image_id":1,"category_id":1,"bbox":[1,2,3,4],"attributes":{"track_id":9}}]})",
-      "d.json", "v.mp4");
+      "d.json", "v.mp4", {});
   ASSERT_TRUE(named) << named.error().message;
   EXPECT_EQ(named->frames.at(12).front().track, 9);
   const auto results =
-      ParseCocoDetections(R"([{"image_id":3,"category_id":2,"bbox":[1,2,3,4],"score":1.5}])", "d.json", "v.mp4");
+      ParseCocoDetections(R"([{"image_id":3,"category_id":2,"bbox":[1,2,3,4],"score":1.5}])", "d.json", "v.mp4", {});
   ASSERT_TRUE(results) << results.error().message;
   EXPECT_THAT(results->classes, ElementsAre("class-2"));
   EXPECT_DOUBLE_EQ(results->frames.at(3).front().score, 1);
 }
 
 TEST(CocoDetections, NameWhatIsWrong) {
-  const auto error = [](std::string_view text) { return ErrorOf(ParseCocoDetections(text, "d.json", "v.mp4")); };
+  const auto error = [](std::string_view text) { return ErrorOf(ParseCocoDetections(text, "d.json", "v.mp4", {})); };
   EXPECT_THAT(error("{"), HasSubstr("d.json: not JSON"));
   EXPECT_THAT(error("{}"), HasSubstr("no `annotations`"));
   EXPECT_THAT(error(R"({"images":[{"id":1,"file_name":"a.png"}],"annotations":[{"image_id":1,"bbox":[1,2,3,4]}]})"),
               HasSubstr("image 1: which frame it is cannot be told"));
   EXPECT_THAT(error(R"([{"image_id":1,"bbox":[1,2,3]}])"), HasSubstr("annotation 0: must have"));
   EXPECT_THAT(error(R"([{"image_id":-1,"bbox":[1,2,3,4]}])"), HasSubstr("image_id -1 is no frame"));
+  EXPECT_THAT(error(R"([{"image_id":18446744073709551615,"bbox":[1,2,3,4]}])"), HasSubstr("annotation 0: must have"));
+  EXPECT_THAT(error(R"([{"image_id":1,"category_id":"car","bbox":[1,2,3,4]}])"), HasSubstr("`category_id` must be"));
+  EXPECT_THAT(error(R"({"images":[],"annotations":[{"image_id":1,"bbox":[1,2,3,4]}]})"),
+              HasSubstr("there is no image 1"));
 }
 
 TEST(MotDetections, AreReadWithAndWithoutClasses) {
@@ -91,7 +95,14 @@ TEST(MotDetections, AreReadWithAndWithoutClasses) {
   EXPECT_THAT(truth->classes, ElementsAre("car", "class-9"));
   EXPECT_THAT(ErrorOf(ParseMotDetections("1,1,1,1,2,2,1\n1,1,x,1,2,2,1\n", "d.txt", {})),
               HasSubstr("d.txt, line 2: must be numbers"));
+  EXPECT_THAT(ErrorOf(ParseMotDetections("1,1,1,1,2,2,1,2.5,1\n", "d.txt", {})), HasSubstr("line 1: the class"));
   EXPECT_THAT(ErrorOf(ParseMotDetections("1.5,1,1,1,2,2,1\n", "d.txt", {})), HasSubstr("line 1: the frame must be"));
+}
+
+TEST(MotDetections, HaveALimitedNumberOfClasses) {
+  std::string text;
+  for (int i = 0; i <= 10'000; ++i) text += "1,1,1,1,2,2,1," + std::to_string(i) + ",1\n";
+  EXPECT_THAT(ErrorOf(ParseMotDetections(text, "d.txt", {})), HasSubstr("line 10001: more than 10000 classes"));
 }
 
 TEST(YoloLabels, HaveConfidenceAndTrackInEitherForm) {
@@ -144,15 +155,31 @@ TEST_F(DetectionFolder, CountsFramesFromTheFirstOneOfEachFormat) {
               HasSubstr("has boxes of frame 1, but the first frame is 2: give --first-frame 1"));
 }
 
-TEST_F(DetectionFolder, RefusesWhatHoldsNoBoxes) {
+TEST_F(DetectionFolder, HoldsLabelsOfOneVideoOrOfThisOne) {
+  Write("labels/a_1.txt", "0 0.5 0.5 0.2 0.1\n");
+  Write("labels/b_1.txt", "0 0.5 0.5 0.3 0.1\n0 0.5 0.5 0.3 0.1\n");
+  EXPECT_EQ(ReadDetectionList({.path = At("labels"), .video = "flights/b.mp4"})->CountBoxes(), 2U);
+  EXPECT_THAT(ErrorOf(ReadDetectionList({.path = At("labels"), .video = "c.mp4"})),
+              HasSubstr("labels of 2 names, none of them c_FRAME.txt"));
+}
+
+TEST_F(DetectionFolder, NothingFoundIsAResult) {
   Write("empty.txt", "");
+  Write("empty.json", R"({"annotations":[],"images":[]})");
+  Write("results.json", "[]");
+  Write("labels/v_1.txt", "");
+  for (const std::string name : {"empty.txt", "empty.json", "results.json", "labels"}) {
+    const auto list = ReadDetectionList({.path = At(name)});
+    ASSERT_TRUE(list) << list.error().message;
+    EXPECT_EQ(list->CountBoxes(), 0U) << name;
+  }
+}
+
+TEST_F(DetectionFolder, RefusesOtherFiles) {
   Write("text.txt", "some words\n");
   Write("none/readme.txt", "words\n");
-  Write("empty.json", R"({"annotations":[],"images":[]})");
-  EXPECT_THAT(ErrorOf(ReadDetectionList({.path = At("empty.txt")})), HasSubstr("no detections"));
   EXPECT_THAT(ErrorOf(ReadDetectionList({.path = At("text.txt")})), HasSubstr("no detections"));
   EXPECT_THAT(ErrorOf(ReadDetectionList({.path = At("none")})), HasSubstr("no labels in it"));
-  EXPECT_THAT(ErrorOf(ReadDetectionList({.path = At("empty.json")})), HasSubstr("no `annotations`"));
   EXPECT_FALSE(ReadDetectionList({.path = At("missing.json")}));
 }
 

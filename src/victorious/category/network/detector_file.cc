@@ -26,17 +26,6 @@ Error Damaged(const std::string& name, const char* how) {
           fmt::format("{}: a damaged detector ({}): import it again with `victorious category import`", name, how)};
 }
 
-Status CheckClassName(std::string_view name) {
-  constexpr std::size_t kMaxBytes = 100;
-  constexpr char kDelete = 0x7f;
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; };
-  if (name.empty() || name.size() > kMaxBytes || std::ranges::any_of(name, is_control)) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("a class must have a name of 1 to {} bytes without control characters", kMaxBytes));
-  }
-  return {};
-}
-
 Status CheckClasses(const std::vector<std::string>& classes) {
   if (classes.empty() || classes.size() > kMaxDetectorClasses) {
     return Fail(ErrorCode::kInvalidArgument,
@@ -95,6 +84,17 @@ std::string Describe(const DetectorModel& model) {
 }
 
 }  // namespace
+
+Status CheckClassName(std::string_view name) {
+  constexpr std::size_t kMaxBytes = 100;
+  constexpr char kDelete = 0x7f;
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == kDelete; };
+  if (name.empty() || name.size() > kMaxBytes || std::ranges::any_of(name, is_control)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("a class must have a name of 1 to {} bytes without control characters", kMaxBytes));
+  }
+  return {};
+}
 
 Expected<std::vector<std::string>> ParseClassList(std::string_view text, const std::string& name_for_errors) {
   std::vector<std::string> classes;

@@ -28,6 +28,10 @@ struct DetectorModel {
   NetworkFiles files;
 };
 
+/// Error: kInvalidArgument for a name that a class cannot have: an empty one, one with control characters or with more
+/// than 100 bytes.
+[[nodiscard]] Status CheckClassName(std::string_view name);
+
 /// One name a line; empty lines at the end are left out. Errors: kInvalidArgument for no names, too many, an empty one,
 /// one that comes twice, and one with control characters or more than 100 bytes.
 [[nodiscard]] Expected<std::vector<std::string>> ParseClassList(std::string_view text,

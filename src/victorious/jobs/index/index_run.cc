@@ -125,6 +125,13 @@ Status IndexRun::Open() {
   VICTORIOUS_ASSIGN_OR_RETURN(video_.reader, VideoReader::Open(job_.video, ReaderOptions()));
   const VideoInfo& info = video_.reader->info();
   video_.intervals = MakeSearchIntervals(setup_.options, info);
+  if (setup_.EntersList()) {
+    video_.intervals.categories = 1;  // every frame, whatever the interval of searches
+    if (info.live) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: a live source: detections are entered for a file", WithoutCredentials(job_.video)));
+    }
+  }
   video_.follow = FollowOptionsFor(video_.intervals.tracked, info.live);
   VICTORIOUS_ASSIGN_OR_RETURN(std::string content_id, ContentIdOf(*video_.reader, job_.video, cancel_));
   if (!job_.content_id.empty() && content_id != job_.content_id) {
@@ -225,7 +232,7 @@ Status IndexRun::Begin(std::vector<PlannedPass>& plan) {
   return keeps_features ? store_.SetVideoFeatures(record.id, parameters_.features) : Status();
 }
 
-// What a detector had found by an earlier list is that of the video no more, whatever its class.
+// Deletes the results of this detector's earlier list, of all its classes.
 Status IndexRun::DeleteListedBefore() {
   for (const ModelRecord& before : models_before_) {
     if (!before.IsCategory() || before.content_id != setup_.categories->content_id()) continue;

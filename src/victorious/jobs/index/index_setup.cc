@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "victorious/category/finder/detection_list_source.h"
+
 namespace victorious {
 
 const ModelRecord* FindSame(const std::vector<ModelRecord>& records, const ModelRecord& sought) {
@@ -21,6 +23,14 @@ Status CheckNames(const std::vector<ModelRecord>& sought, const std::vector<Mode
       if (one.IsBoxed() != other.IsBoxed()) {
         return Fail(ErrorCode::kInvalidArgument,
                     fmt::format("{}: is the name of what people boxed: rename the category", one.name));
+      }
+      const bool is_listed = one.content_id.starts_with(kListedContentId);
+      if (is_listed != other.content_id.starts_with(kListedContentId)) {
+        return Fail(
+            ErrorCode::kInvalidArgument,
+            fmt::format("{}: is the name of a category that is searched for, and of what another program found: "
+                        "rename one of them (--detector)",
+                        one.name));
       }
       if (one.IsCategory() == other.IsCategory()) continue;
       return Fail(ErrorCode::kInvalidArgument,

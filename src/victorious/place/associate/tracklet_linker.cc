@@ -142,6 +142,7 @@ std::vector<std::optional<std::size_t>> TrackletLinker::AssignTracklets(
   for (std::size_t s = 0; s < sightings.size(); ++s) {
     for (std::size_t r = 0; r < tracklets_.size() && !tracklet_of[s]; ++r) {
       if (!is_candidate(r, sightings[s])) continue;
+      if (options_.are_tracks_given && tracklets_[r].track && sightings[s].track) continue;  // two tracks
       const double overlap = IntersectionOverUnion(PredictBox(tracklets_[r], time_s), SightingExtent(sightings[s]));
       if (overlap > 0 && overlap >= options_.min_overlap) pairs.push_back({overlap, s, r});
     }

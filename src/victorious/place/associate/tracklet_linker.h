@@ -35,6 +35,8 @@ struct TrackletOptions {
   /// Minimum intersection over union of a sighting's box with the tracklet's predicted box, which includes camera and
   /// object motion. Not a user parameter.
   double min_overlap = 0.1;
+  /// True for tracks of another program: sightings of two of them are never of one tracklet. Not a user parameter.
+  bool are_tracks_given = false;
 
   void ListFields(FieldList& fields);
 };

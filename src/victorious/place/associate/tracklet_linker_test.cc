@@ -178,6 +178,13 @@ TEST(TrackletLinker, SightingsOfOneTrackAreOneTracklet) {
 
 Similarity2 Shift(double x, double y) { return {.translation = {x, y}}; }
 
+TEST(TrackletLinker, GivenTracksAreNotJoinedByOverlap) {
+  const Box box{10, 10, 20, 20};
+  const Frames frames = {{WithTrack(Sighting(0, box), 1)}, {WithTrack(Sighting(1, box), 2)}, {Sighting(2, box)}};
+  EXPECT_EQ(LinkAll(frames, {}).tracklets.size(), 1U);
+  EXPECT_EQ(LinkAll(frames, {.are_tracks_given = true}).tracklets.size(), 2U);
+}
+
 TEST(TrackletLinker, StaticObjectIsPredictedByImageMotion) {
   const Box first{300, 100, 50, 40};
   // The background moves 30 px per frame to the left; after ten frames another object is at the image position of the

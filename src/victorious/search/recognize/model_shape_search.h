@@ -109,7 +109,8 @@ class ModelShapeSearch {
                                                           const Place& place, int headings) const;
 
   /// A match of fine templates with what speaks for it, by the camera, and the place and heading of the refined pose.
-  /// One that cannot reach `min_neg_log10_nfa` is not compared with larger templates: it is below that, too.
+  /// One that is not expected to reach `min_neg_log10_nfa` (docs/adr/0047) is not compared with larger templates: it is
+  /// then below that, too.
   /// std::nullopt where the model has no contours, or the object is too small for them.
   /// Errors: those of RelitTemplateSource.
   [[nodiscard]] Expected<std::optional<ShapeMatch>> Examine(const FramePyramid& frame,

@@ -111,8 +111,8 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& fr
   std::vector<Expected<std::optional<ShapeMatch>>> refined(places.size());
   ParallelFor(places.size(), [&](std::size_t i) {
     refined[i] = SearchFor(places[i].model).Refine(frame, conditions, places[i]);
-    if (refined[i] && *refined[i])
-      refined[i] = Judge(frame, conditions, **refined[i], decades_assumed, min_neg_log10_nfa);
+    if (!refined[i] || !*refined[i]) return;
+    refined[i] = Judge(frame, conditions, **refined[i], decades_assumed, min_neg_log10_nfa);
   });
   std::vector<ShapeMatch> all;
   for (Expected<std::optional<ShapeMatch>>& one : refined) {
