@@ -1,7 +1,8 @@
 // What another program found in a video, read from its file, one frame's boxes after the other:
 //   COCO           `images` with their frames, `annotations`, `categories`; or a list of results, whose image_id is the
 //                  frame's number
-//   MOTChallenge   lines "frame, track, left, top, width, height, confidence, ...", with 9 columns the eighth is a class
+//   MOTChallenge   lines "frame, track, left, top, width, height, confidence, ..."; a ninth column makes the eighth a
+//                  class
 //   YOLO           a folder of NAME_FRAME.txt, with lines "class x y width height [confidence] [track]" in parts of the
 //                  frame
 // docs/formats/detections.md has each in full.
