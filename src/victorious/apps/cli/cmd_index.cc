@@ -127,8 +127,7 @@ Status SetKeptFeatures(const std::string& text, KeepOptions& keep) {
 
 Expected<IndexOptions> ReadOptions(const IndexArguments& arguments, const std::vector<ObjectModel>& models) {
   VICTORIOUS_ASSIGN_OR_RETURN(IndexOptions options, ReadIndexOptions(arguments.search, models));
-  VICTORIOUS_RETURN_IF_ERROR(
-      SetKeptFeatures(arguments.list.file.empty() ? arguments.keep_features : "none", options.keep));
+  VICTORIOUS_RETURN_IF_ERROR(SetKeptFeatures(arguments.keep_features, options.keep));
   if (arguments.hfov_deg) options.telemetry.hfov_deg = *arguments.hfov_deg;
   VICTORIOUS_RETURN_IF_ERROR(ApplyCamera(arguments.camera, options.telemetry));
   ApplyGround(arguments.ground, options.ground);

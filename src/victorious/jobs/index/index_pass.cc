@@ -120,7 +120,9 @@ class ResultWriter {
         is_live_(info.live),
         store_(store),
         report_(report),
-        linker_(LinkOptions(pass, info), pass.options.objects),
+        linker_(MakeTrackletOptions(pass.options.tracklets, pass.intervals,
+                                    IsTrackingEnabled(pass) ? &pass.follow : nullptr, info.frame_rate),
+                pass.options.objects),
         parts_(pass.searches, IsTrackingEnabled(pass) || FollowsCategories(pass)
                                   ? 1
                                   : std::max(pass.intervals.models, pass.intervals.categories)),
@@ -228,13 +230,6 @@ class ResultWriter {
   }
 
  private:
-  static TrackletOptions LinkOptions(const IndexPass& pass, const VideoInfo& info) {
-    TrackletOptions options = MakeTrackletOptions(pass.options.tracklets, pass.intervals,
-                                                  IsTrackingEnabled(pass) ? &pass.follow : nullptr, info.frame_rate);
-    options.are_tracks_given = pass.categories != nullptr && pass.categories->IsListed();
-    return options;
-  }
-
   // Frames without an interruption.
   struct CoveredFrames {
     std::int64_t from_frame = 0;

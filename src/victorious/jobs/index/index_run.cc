@@ -125,12 +125,9 @@ Status IndexRun::Open() {
   VICTORIOUS_ASSIGN_OR_RETURN(video_.reader, VideoReader::Open(job_.video, ReaderOptions()));
   const VideoInfo& info = video_.reader->info();
   video_.intervals = MakeSearchIntervals(setup_.options, info);
-  if (setup_.EntersList()) {
-    video_.intervals.categories = 1;  // every frame, whatever the interval of searches
-    if (info.live) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: a live source: detections are entered for a file", WithoutCredentials(job_.video)));
-    }
+  if (setup_.EntersList() && info.live) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: a live source: detections are entered for a file", WithoutCredentials(job_.video)));
   }
   video_.follow = FollowOptionsFor(video_.intervals.tracked, info.live);
   VICTORIOUS_ASSIGN_OR_RETURN(std::string content_id, ContentIdOf(*video_.reader, job_.video, cancel_));

@@ -66,6 +66,11 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
     VICTORIOUS_ASSIGN_OR_RETURN(setup.categories,
                                 MakeCategorySource(*std::move(categories), options.categories, options.detector));
     if (setup.categories->IsDetector()) used.category_interval_s = options.detector.interval_s;
+    if (setup.categories->IsListed()) {
+      used.every = 0;  // all frames
+      used.keep.interval_s = -1;
+      used.tracklets.are_tracks_given = true;
+    }
     for (const std::string& name : setup.categories->names()) {
       setup.targets.push_back(
           {.name = name, .content_id = setup.categories->content_id(), .kind = ModelKind::kCategory});
