@@ -114,12 +114,10 @@ Expected<DetectorModel> ReadNetwork(const ImportArguments& arguments) {
   if (arguments.trained_on.size() > kMaxTrainedOnBytes) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--trained-on: must be at most {} bytes", kMaxTrainedOnBytes));
   }
-  constexpr std::size_t kMaxClassListBytes = std::size_t{1} << 21;
   DetectorModel model{.program_version = kVersion,
                       .source = ReplaceInvalidUtf8(OneLine(fs::path(arguments.network).filename().string())),
                       .trained_on = ReplaceInvalidUtf8(OneLine(arguments.trained_on))};
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::string classes, ReadFile(arguments.classes, kMaxClassListBytes));
-  VICTORIOUS_ASSIGN_OR_RETURN(model.classes, ParseClassList(classes, OneLine(arguments.classes)));
+  VICTORIOUS_ASSIGN_OR_RETURN(model.classes, ReadClassList(arguments.classes));
   VICTORIOUS_ASSIGN_OR_RETURN(model.files.network, ReadFile(arguments.network, kMaxNetworkBytes));
   if (!arguments.weights.empty()) {
     VICTORIOUS_ASSIGN_OR_RETURN(model.files.weights, ReadFile(arguments.weights, kMaxNetworkBytes));

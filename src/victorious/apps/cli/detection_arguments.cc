@@ -1,11 +1,7 @@
 #include "victorious/apps/cli/detection_arguments.h"
 
-#include <cstddef>
 #include <vector>
 
-#include <fmt/format.h>
-
-#include "victorious/base/file.h"
 #include "victorious/base/log.h"
 #include "victorious/base/one_line.h"
 #include "victorious/category/network/detector_file.h"
@@ -41,15 +37,13 @@ Status CheckDetections(const DetectionArguments& arguments) {
 }
 
 Expected<DetectionList> ReadDetections(const DetectionArguments& arguments, const std::string& video) {
-  constexpr std::size_t kMaxClassListBytes = 1'000'000;
   DetectionFile file{.path = arguments.file,
                      .detector = arguments.detector,
                      .class_names = {},
                      .first_frame = arguments.first_frame,
                      .video = video};
   if (!arguments.classes.empty()) {
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(arguments.classes, kMaxClassListBytes));
-    VICTORIOUS_ASSIGN_OR_RETURN(file.class_names, ParseClassList(text, OneLine(arguments.classes)));
+    VICTORIOUS_ASSIGN_OR_RETURN(file.class_names, ReadClassList(arguments.classes));
   }
   return ReadDetectionList(file);
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -53,10 +54,10 @@ std::string FileNameOf(const std::string& path) { return std::filesystem::path(p
 
 // Which of a file's videos is meant: its only one, or that of the same name. std::nullopt: images belong to none.
 Expected<std::optional<std::int64_t>> VideoOf(const json& file, const std::string& name, const std::string& video) {
-  std::map<std::int64_t, std::string> shown;
+  std::set<std::int64_t> shown;
   for (const json& image : ListOf(file, "images")) {
     if (!image.is_object()) continue;
-    if (const auto id = WholeNumber(image, "video_id")) shown[*id] = "";
+    if (const auto id = WholeNumber(image, "video_id")) shown.insert(*id);
   }
   if (shown.size() < 2) return std::nullopt;
   for (const json& one : ListOf(file, "videos")) {

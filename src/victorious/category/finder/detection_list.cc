@@ -195,10 +195,9 @@ Expected<DetectionList> ParseMotDetections(std::string_view text, const std::str
     const double confidence = of.size() > kConfidence ? of[kConfidence] : 1;
     if (has_class && confidence == 0) continue;  // of the ground truth: to be ignored
     if (!(of[4] > 0 && of[5] > 0)) continue;
-    const std::string category = has_class             ? ClassName(static_cast<std::int64_t>(of[kClass]), class_names)
-                                 : class_names.empty() ? "object"
-                                                       : class_names.front();
-    const Expected<std::size_t> of_class = list.AddClass(category);
+    const std::string only_class = class_names.empty() ? "object" : class_names.front();
+    const Expected<std::size_t> of_class =
+        list.AddClass(has_class ? ClassName(static_cast<std::int64_t>(of[kClass]), class_names) : only_class);
     if (!of_class) return FailAt(name, number, of_class.error().message);
     ListedBox box{.category = *of_class,
                   .box = {of[2], of[3], of[4], of[5]},

@@ -10,6 +10,7 @@
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/base/one_line.h"
 #include "victorious/base/packed_bytes.h"
 #include "victorious/base/sealed_bytes.h"
 #include "victorious/base/text.h"
@@ -108,6 +109,12 @@ Expected<std::vector<std::string>> ParseClassList(std::string_view text, const s
   }
   for (std::string& name : classes) name = ReplaceInvalidUtf8(name);
   return classes;
+}
+
+Expected<std::vector<std::string>> ReadClassList(const std::string& path) {
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 21;
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::string text, ReadFile(path, kMaxBytes));
+  return ParseClassList(text, OneLine(path));
 }
 
 bool IsDetectorFile(std::span<const std::byte> bytes) { return HasMagic(bytes, kDetectorMagic); }

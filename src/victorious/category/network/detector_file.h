@@ -37,6 +37,9 @@ struct DetectorModel {
 [[nodiscard]] Expected<std::vector<std::string>> ParseClassList(std::string_view text,
                                                                 const std::string& name_for_errors);
 
+/// The names in a file. Errors: those of ParseClassList and of ReadFile.
+[[nodiscard]] Expected<std::vector<std::string>> ReadClassList(const std::string& path);
+
 /// True if the bytes start as those of a detector's file.
 [[nodiscard]] bool IsDetectorFile(std::span<const std::byte> bytes);
 

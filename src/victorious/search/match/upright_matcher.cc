@@ -60,13 +60,10 @@ QueriesByCell SortByCell(std::span<const UprightTemplate> templates) {
 // kMaxShortSet, but for equal distances.
 std::int32_t ChooseMaxDistance(std::span<const std::int32_t> half_distances, std::size_t count) {
   constexpr std::int32_t kBin = 256;
-  std::int32_t nearest = half_distances.front();
-  std::int32_t farthest = nearest;
-  for (const std::int32_t distance : half_distances) {
-    nearest = std::min(nearest, distance);
-    farthest = std::max(farthest, distance);
-  }
-  const auto bin_of = [&](std::int32_t distance) { return static_cast<std::size_t>((distance - nearest) / kBin); };
+  const auto [nearest, farthest] = std::ranges::minmax(half_distances);
+  const auto bin_of = [nearest = nearest](std::int32_t distance) {
+    return static_cast<std::size_t>((distance - nearest) / kBin);
+  };
   std::vector<std::uint32_t> bins(bin_of(farthest) + 1);
   for (const std::int32_t distance : half_distances) ++bins[bin_of(distance)];
   std::size_t before = 0;  // those in the bins before this one

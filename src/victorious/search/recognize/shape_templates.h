@@ -104,6 +104,8 @@ class ShapeSearch::Templates {
                                                                           const ViewDirection& direction) const;
 
  private:
+  using ModelAndView = std::pair<std::size_t, std::size_t>;
+
   [[nodiscard]] const BackgroundSpectrum& SpectrumFor(int window) const;
   [[nodiscard]] Expected<std::vector<DrawnCells>> FindOrDraw(const ShapeBankKey& key) const;
   [[nodiscard]] Expected<std::vector<DrawnCells>> Draw(const ShapeBankKey& key) const;
@@ -116,7 +118,6 @@ class ShapeSearch::Templates {
   BackgroundSpectrum fine_;
   BackgroundSpectrum finest_;
   mutable RecentItems<ShapeBankKey, ShapeBank> made_;
-  using ModelAndView = std::pair<std::size_t, std::size_t>;
   mutable RecentItems<ModelAndView, ContourModel> contours_;
   mutable RecentItems<ModelAndView, RenderedSurface> drawn_surfaces_;
 };
