@@ -35,9 +35,15 @@ function(_victorious_precompiled_header kind)
     <Eigen/Dense> <fmt/format.h> <nlohmann/json_fwd.hpp> <opencv2/core.hpp> ${ARG_HEADERS})
 endfunction()
 
+# victorious_optimise_less(TARGET): compiled in half the time, and as fast where the time goes to what it links.
+function(victorious_optimise_less target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 if(VICTORIOUS_PCH)
   _victorious_precompiled_header(common)
   _victorious_precompiled_header(tests HEADERS <gmock/gmock.h> <gtest/gtest.h> LINKS GTest::gmock GTest::gtest)
+  victorious_optimise_less(victorious_pch_tests)
   _victorious_precompiled_header(json HEADERS <nlohmann/json.hpp> LINKS nlohmann_json::nlohmann_json)
 endif()
 
@@ -93,10 +99,14 @@ endfunction()
 # "folder/Suite", and one for all others, "folder/others".
 #   ALONE  suites that take some seconds each: entries of their own keep both cores busy. "Name*": the suites whose names
 #          begin so share a costly set-up and are one entry, "folder/Name"
+#   APART  sources that are compiled by themselves (victorious_unity): names of theirs are those of another source
 function(victorious_tests name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;ALONE;APART" ${ARGN})
   set(target ${name}_tests)
   add_executable(${target} ${ARG_SOURCES})
+  victorious_unity(${target})
+  set_source_files_properties(${ARG_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  victorious_optimise_less(${target})
   if(TARGET victorious_${name})
     target_link_libraries(${target} PRIVATE victorious_${name})
   endif()

@@ -20,7 +20,7 @@
 namespace victorious {
 namespace {
 
-constexpr double kRatio = 0.85;
+constexpr double kSweepRatio = 0.85;
 
 // One step of one degradation.
 struct Difficulty {
@@ -137,7 +137,7 @@ Expected<Report> RunChapter3Sweeps(const ExperimentSettings& settings) {
         MatchCount before;
         MatchCount after;
         for (const MatchTrial& trial : trials) {
-          const MatchSet matches = trial.Matches(kRatio);
+          const MatchSet matches = trial.Matches(kSweepRatio);
           before += trial.Count(matches);
           after += trial.Count(filter.run(trial, matches));
         }

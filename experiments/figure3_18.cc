@@ -127,11 +127,6 @@ bool IsCorrectlyLocated(const RealView& view, const ViewResult& result) {
   return (found - truth).norm() < kFarPx;
 }
 
-Cell FormatPercentile(const std::vector<double>& values, double percent) {
-  const std::optional<double> value = Percentile(values, percent);
-  return value ? Cell(*value) : Cell("-");
-}
-
 // One row of the table; there is none if no view is left.
 struct Trial {
   std::string object;

@@ -17,7 +17,7 @@ namespace victorious {
 namespace {
 
 constexpr int kPatchPx = 48;
-constexpr std::size_t kRows = 8;
+constexpr std::size_t kFigureRows = 8;
 constexpr std::size_t kPatchesARow = 12;
 
 struct Member {
@@ -96,7 +96,7 @@ Expected<Report> RunFigure319(const ExperimentSettings& settings) {
     report.rows.push_back({static_cast<double>(cluster.word), static_cast<double>(cluster.members.size()),
                            static_cast<double>(cluster.images), cluster.mean_distance});
     sizes.points.push_back({static_cast<double>(cluster.members.size()), cluster.mean_distance});
-    if (lines.size() >= kRows) continue;
+    if (lines.size() >= kFigureRows) continue;
     std::vector<cv::Mat> patches;
     for (std::size_t i = 0; i < kPatchesARow; ++i) {
       const Member& member = cluster.members[i];
@@ -119,7 +119,7 @@ Expected<Report> RunFigure319(const ExperimentSettings& settings) {
   report.notes = {
       fmt::format("{} words of {} keypoints; words of at least {} patches are listed. figure3.19.png shows "
                   "the {} tightest, the patches nearest to the word first.",
-                  vocabulary.size(), descriptors.size() / kDescriptorSize, kPatchesARow, kRows)};
+                  vocabulary.size(), descriptors.size() / kDescriptorSize, kPatchesARow, kFigureRows)};
   report.plot = {.title = "Visual words of many patches",
                  .x = {.label = "patches of the word"},
                  .y = {.label = "mean distance to the word (of 512)"},

@@ -22,7 +22,7 @@
 namespace victorious {
 namespace {
 
-constexpr const char* kKind = "jeep";  // in place of the thesis's Humvee
+constexpr const char* kSoughtKind = "jeep";  // in place of the thesis's Humvee
 
 // CPU time of all threads, median of 7 repetitions, ms.
 double MedianCpuMs(const std::function<void()>& step) {
@@ -152,14 +152,14 @@ cv::Mat Column(const SearchedBox& searched, const std::vector<ObjectModel>& mode
   return column;
 }
 
-// The middle frame of the clear rows of the model kKind, such that a later row exists.
+// The middle frame of the clear rows of the model kSoughtKind, such that a later row exists.
 Expected<std::int64_t> MiddleFrame(const MovieWithTruth& movie) {
   std::vector<std::int64_t> frames;
   for (const TruthRow& row : movie.truth) {
-    if (row.model == kKind && IsClear(row)) frames.push_back(row.frame);
+    if (row.model == kSoughtKind && IsClear(row)) frames.push_back(row.frame);
   }
   if (frames.size() < 2)
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {} in two frames", movie.name, kKind));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("{}: must show a {} in two frames", movie.name, kSoughtKind));
   return frames[(frames.size() - 1) / 2];
 }
 
@@ -191,7 +191,7 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const Recognizer recognizer,
                               Recognizer::Create(movie.models, options.features.engine, options.recognize));
   const auto model =
-      static_cast<std::size_t>(std::ranges::find(movie.models, kKind, &ObjectModel::name) - movie.models.begin());
+      static_cast<std::size_t>(std::ranges::find(movie.models, kSoughtKind, &ObjectModel::name) - movie.models.begin());
   const SearchSetup setup{recognizer, *extractor, model};
   const auto conditions = [&](const Frame& frame) {
     return MakeFrameConditions(cameras.At(frame.time_s), frame.image.size(), {});
@@ -207,14 +207,15 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
   VICTORIOUS_ASSIGN_OR_RETURN(const SearchedBox before,
                               SearchBox(setup, frames[0], whole, every_view, conditions(frames[0])));
   if (!before.found) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}, frame {}: no {} was detected", movie.name, first, kKind));
+    return Fail(ErrorCode::kNotFound, fmt::format("{}, frame {}: no {} was detected", movie.name, first, kSoughtKind));
   }
   VICTORIOUS_ASSIGN_OR_RETURN(RegionTracker tracker, RegionTracker::Create(options.follow.track));
   tracker.Step(frames[0]);
   tracker.Start(before.found->outline, MatchedPoints(*before.found, before.features));
   const std::vector<TrackStep> steps = tracker.Step(frames[1]);
   if (steps.empty() || !steps.front().seen()) {
-    return Fail(ErrorCode::kNotFound, fmt::format("{}, frame {}: the {} was not tracked", movie.name, first, kKind));
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("{}, frame {}: the {} was not tracked", movie.name, first, kSoughtKind));
   }
   const ModelView& matched = movie.models[model].views[before.found->view];
   std::vector<std::vector<std::size_t>> near_views(movie.models.size());
@@ -242,12 +243,12 @@ Expected<Report> RunFigure41(const ExperimentSettings& settings) {
                          "some 1000, predicted"});
   const TruthRow* truth = nullptr;
   for (const TruthRow& row : movie.truth) {
-    if (row.frame == numbers[1] && row.model == kKind) truth = &row;
+    if (row.frame == numbers[1] && row.model == kSoughtKind) truth = &row;
   }
   report.notes = {
       fmt::format("Frames {} and {} of {}, the {}; CPU time of all threads, medians of 7 repetitions. The tracker "
                   "itself, about 2 ms per frame, is not included.",
-                  numbers[0], numbers[1], movie.name, kKind),
+                  numbers[0], numbers[1], movie.name, kSoughtKind),
       fmt::format("In the tracked region it is {}{}.", after.found ? "found" : "not found",
                   after.found && truth != nullptr ? fmt::format(", its box overlapping the true one by {:.2f}",
                                                                 IntersectionOverUnion(after.found->box, truth->box))

@@ -44,11 +44,6 @@ PlotLine Histogram(const std::string& name, const std::vector<double>& errors_m,
   return line;
 }
 
-Cell FormatPercentile(const std::vector<double>& values, double percent) {
-  const std::optional<double> value = Percentile(values, percent);
-  return value ? Cell(*value) : Cell("-");
-}
-
 Expected<std::string> NearestNote(const Study& study) {
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const MovieWithTruth& movie : study.movies) {

@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::array kRatios = {0.8, 0.95};
+constexpr std::array kLearntRatios = {0.8, 0.95};
 
 // The distortions of each pair of true matches, one list per measure.
 struct Distortions {
@@ -67,11 +67,11 @@ CascadeOptions LearnThresholds(const std::vector<const MatchTrial*>& trials, con
   Distortions distortions;
   std::vector<ReadyTrial> ready;
   for (const MatchTrial* trial : trials) {
-    for (const double ratio : kRatios) {
+    for (const double ratio : kLearntRatios) {
       MatchSet matches = trial->Matches(ratio);
       const MatchCount before = trial->Count(matches);
       ready.push_back({trial, matches, before});
-      if (ratio != kRatios.back()) continue;
+      if (ratio != kLearntRatios.back()) continue;
       std::erase_if(matches, [&](const Match& match) {
         return trial->truth.Label(trial->features->keypoints[match.scene_keypoint], match.template_keypoint) !=
                MatchLabel::kTrue;

@@ -1,12 +1,14 @@
 #include "experiments/report.h"
 
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "victorious/base/file.h"
 #include "victorious/base/json.h"
+#include "victorious/lab/evaluate/score.h"
 
 namespace victorious {
 namespace {
@@ -87,6 +89,11 @@ MeanWithError ComputeMean(const std::vector<double>& values) {
   double squares = 0;
   for (const double value : values) squares += (value - mean) * (value - mean);
   return {.mean = mean, .standard_error = std::sqrt(squares / (count - 1) / count)};
+}
+
+Cell FormatPercentile(const std::vector<double>& values, double percent) {
+  const std::optional<double> value = Percentile(values, percent);
+  return value ? Cell(*value) : Cell("-");
 }
 
 Status WriteReport(const Report& report, const std::filesystem::path& folder) {

@@ -21,6 +21,9 @@ MeanWithError ComputeMean(const std::vector<double>& values);
 
 using Cell = std::variant<std::string, double, MeanWithError>;
 
+/// "-" without values. @param percent  0 to 100
+Cell FormatPercentile(const std::vector<double>& values, double percent);
+
 struct Report {
   std::string name;                ///< of the experiment
   std::string title;               ///< one line

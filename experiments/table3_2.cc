@@ -16,7 +16,7 @@ struct ThesisRow {
 
 // Table 3.2 of the thesis; it gives no count for MLESAC.
 constexpr std::array<ThesisRow, 4> kThesis = {{{80, 10}, {15, 10}, {10, 10}, {10, 10}}};
-constexpr double kRatio = 0.8;
+constexpr double kTableRatio = 0.8;
 
 }  // namespace
 
@@ -29,8 +29,8 @@ Expected<Report> RunTable32(const ExperimentSettings& settings) {
                             "ours: false", "ours: true / template", "ours: false / rest of scene"}};
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchTrial thesis, RunningExample(settings, ThesisSetup(), "jeep"));
   VICTORIOUS_ASSIGN_OR_RETURN(const MatchTrial ours, RunningExample(settings, DefaultSetup(), "jeep"));
-  const StageMatches thesis_stages = RunStages(thesis, kRatio, ThesisSetup().recognize);
-  const StageMatches our_stages = RunStages(ours, kRatio, DefaultSetup().recognize);
+  const StageMatches thesis_stages = RunStages(thesis, kTableRatio, ThesisSetup().recognize);
+  const StageMatches our_stages = RunStages(ours, kTableRatio, DefaultSetup().recognize);
   PlotLine thesis_false{.name = "false, thesis's setting"};
   PlotLine our_false{.name = "false, ours"};
   PlotLine our_true{.name = "true, ours"};

@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::size_t kStages = 4;
+constexpr std::size_t kFilterStages = 4;
 
 struct Printed {
   int matches;
@@ -19,7 +19,7 @@ struct Printed {
 
 struct PrintedRatio {
   double ratio;
-  std::array<Printed, kStages> stages;
+  std::array<Printed, kFilterStages> stages;
 };
 
 // Table 3.3 of the thesis. It prints 17 true matches after the first stage at 0.95, which contradicts the 13 before and
@@ -86,11 +86,11 @@ Expected<Report> RunTable33(const ExperimentSettings& settings) {
   Report report{.title = "Matches of the running example at six ratios after each stage",
                 .columns = {"ratio", "filtering"}};
   report.columns.insert(report.columns.end(), kCountColumns.begin(), kCountColumns.end());
-  std::array<PlotLine, kStages> lines;
+  std::array<PlotLine, kFilterStages> lines;
   for (const PrintedRatio& printed : kTable33) {
     const StageMatches thesis = RunStages(both.thesis, printed.ratio, ThesisSetup().recognize);
     const StageMatches ours = RunStages(both.ours, printed.ratio, DefaultSetup().recognize);
-    for (std::size_t stage = 0; stage < kStages; ++stage) {
+    for (std::size_t stage = 0; stage < kFilterStages; ++stage) {
       std::vector<Cell> row = {printed.ratio, std::string(StageMatches::kNames[stage])};
       AddCounts(printed.stages[stage], row);
       AddCounts(both.thesis.Count(thesis.sets[stage]), row);
@@ -116,12 +116,12 @@ Expected<Report> RunFigure312(const ExperimentSettings& settings) {
                 .columns = {"ratio", "filtering", "thesis: detected %", "thesis: false alarms %",
                             "thesis setting reproduced: detected %", "thesis setting reproduced: false alarms %",
                             "ours: detected %", "ours: false alarms %"}};
-  std::array<PlotLine, kStages> lines;
+  std::array<PlotLine, kFilterStages> lines;
   std::array<PlotLine, 2> thesis_lines = {PlotLine{.name = "thesis, none"}, PlotLine{.name = "thesis, third"}};
   for (const PrintedRatio& printed : kTable33) {
     const StageMatches thesis = RunStages(both.thesis, printed.ratio, ThesisSetup().recognize);
     const StageMatches ours = RunStages(both.ours, printed.ratio, DefaultSetup().recognize);
-    for (std::size_t stage = 0; stage < kStages; ++stage) {
+    for (std::size_t stage = 0; stage < kFilterStages; ++stage) {
       std::vector<Cell> row = {printed.ratio, std::string(StageMatches::kNames[stage])};
       const auto add = [&](int correct, int wrong, double template_keypoints, double scene_keypoints) {
         const PlotPoint point{100 * wrong / (scene_keypoints - template_keypoints), 100 * correct / template_keypoints};
@@ -166,7 +166,7 @@ Expected<Report> RunTable34(const ExperimentSettings& settings) {
     const StageMatches thesis = RunStages(both.thesis, printed.ratio, ThesisSetup().recognize);
     const StageMatches ours = RunStages(both.ours, printed.ratio, DefaultSetup().recognize);
     for (const bool after : {false, true}) {
-      const std::size_t stage = after ? kStages - 1 : 0;
+      const std::size_t stage = after ? kFilterStages - 1 : 0;
       std::vector<Cell> row = {printed.ratio, std::string(after ? "after" : "before")};
       AddCounts(after ? printed.after : printed.before, row);
       AddCounts(both.thesis.Count(thesis.sets[stage]), row);

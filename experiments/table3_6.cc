@@ -19,8 +19,8 @@ struct Row {
 };
 
 // The thesis's table.
-constexpr std::array kRows = {Row{30, 0.7023, 33.3}, Row{60, 0.7979, 125}, Row{90, 0.8642, 225}, Row{150, 0.9063, 717},
-                              Row{250, 0.9139, 1746}};
+constexpr std::array kPrintedRows = {Row{30, 0.7023, 33.3}, Row{60, 0.7979, 125}, Row{90, 0.8642, 225},
+                                     Row{150, 0.9063, 717}, Row{250, 0.9139, 1746}};
 constexpr double kVocabulary = 3000;
 
 struct Figures {
@@ -63,7 +63,7 @@ Expected<Report> RunTable36(const ExperimentSettings& settings) {
   Figures best;
   for (int seed = 1; seed <= settings.seeds; ++seed) {
     const auto number = static_cast<std::uint64_t>(seed);
-    for (const Row& row : kRows) {
+    for (const Row& row : kPrintedRows) {
       VICTORIOUS_RETURN_IF_ERROR(settings.CheckCancelled());
       CategoryOptions options = ThesisCategoriesAsPrinted().category;
       options.thesis.grammar.word_fraction = row.words / kVocabulary;
@@ -85,11 +85,11 @@ Expected<Report> RunTable36(const ExperimentSettings& settings) {
                 .columns = {"method", "words in phrases", "area under ROC", "training s", "scoring ms an image",
                             "area, thesis", "test s, thesis"}};
   PlotLine printed_there{.name = "thesis, as printed there"};
-  for (const Row& row : kRows) printed_there.points.push_back({static_cast<double>(row.words), row.thesis_area});
+  for (const Row& row : kPrintedRows) printed_there.points.push_back({static_cast<double>(row.words), row.thesis_area});
   report.plot.lines.push_back(std::move(printed_there));
   for (const Method* method : {&as_printed, &smoother, &reading, &by_clusters}) {
     PlotLine line{.name = method->name};
-    for (const Row& row : kRows) {
+    for (const Row& row : kPrintedRows) {
       const Figures& figures = method->figures.at(row.words);
       const MeanWithError area = ComputeMean(figures.area);
       report.rows.push_back({method->name, static_cast<double>(row.words), area, ComputeMean(figures.train_s),

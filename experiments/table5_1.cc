@@ -29,7 +29,7 @@ struct ProgramStep {
   std::vector<Stage> stages;
 };
 
-const std::array<ProgramStep, 7>& Steps() {
+const std::array<ProgramStep, 7>& ProgramSteps() {
   static const std::array<ProgramStep, 7> steps = {{
       {"feature extraction", false, {{1.6678, 0.04, 0.04, 0.0066}}, {Stage::kFeatures}},
       {"matching", true, {{0.0274, 0.0274, 0.0122, 0.0005}}, {Stage::kMatching}},
@@ -109,7 +109,7 @@ Expected<Report> RunTable51(const ExperimentSettings& settings) {
       .columns = {"step", "of", "thesis", "thesis: GPU", "thesis: 15 degrees", "thesis: four Tesla", "ours: votes",
                   "ours: shortlist"}};
   std::array<double, 6> total_s{};
-  for (const ProgramStep& step : Steps()) {
+  for (const ProgramStep& step : ProgramSteps()) {
     std::vector<Cell> row = {std::string(step.name), std::string(step.per_model ? "model" : "frame")};
     const double divisor = step.per_model ? models : 1;
     const double factor = step.per_model ? kModels : 1;

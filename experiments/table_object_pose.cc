@@ -28,7 +28,7 @@ constexpr const char* kFieldOfView = "field of view only";
 constexpr const char* kNothing = "nothing";
 
 // Errors by the kind of camera data.
-using ErrorsOf = std::map<std::string, PoseErrors>;
+using ErrorsOfModels = std::map<std::string, PoseErrors>;
 
 void Add(const ObjectPose& object_pose, const TruthRow& truth, double distance_m, PoseErrors& errors) {
   const double error_rad = AngleBetween(object_pose.view->angles, *truth.view);
@@ -41,7 +41,7 @@ void Add(const ObjectPose& object_pose, const TruthRow& truth, double distance_m
 
 // Adds the true detections of a frame.
 void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& models, const ObservationOptions& options,
-              ErrorsOf& errors) {
+              ErrorsOfModels& errors) {
   if (!searched.camera || !searched.camera->IsComplete()) return;
   for (std::size_t i = 0; i < searched.detections.size(); ++i) {
     const std::optional<TruthRow>& truth = searched.truth[i];
@@ -64,12 +64,7 @@ void AddFrame(const SearchedFrame& searched, const std::vector<ObjectModel>& mod
   }
 }
 
-Cell FormatPercentile(const std::vector<double>& values, double percent) {
-  const std::optional<double> value = Percentile(values, percent);
-  return value ? Cell(*value) : Cell("-");
-}
-
-void AddRows(const std::string& movie, const ErrorsOf& errors, Report& report) {
+void AddRows(const std::string& movie, const ErrorsOfModels& errors, Report& report) {
   for (const char* camera : {kMatched, kTelemetry, kFieldOfView, kNothing}) {
     const auto found = errors.find(camera);
     if (found == errors.end()) continue;
@@ -92,9 +87,9 @@ Expected<Report> RunTableObjectPose(const ExperimentSettings& settings) {
                 "for the view (two axes) and 1.64 for the distance (one axis)."},
       .columns = {"movie", "camera data", "sightings", "view error 50 %, deg", "90 %", "distance error 50 %, %",
                   "90 %, %", "view error 90 %, sigmas", "distance error 90 %, sigmas"}};
-  ErrorsOf all;
+  ErrorsOfModels all;
   for (const std::filesystem::path& movie : movies) {
-    ErrorsOf errors;
+    ErrorsOfModels errors;
     const MovieSearch search{.movie = movie, .options = {}};
     VICTORIOUS_RETURN_IF_ERROR(
         SearchMovie(search, settings, [&](const SearchedFrame& searched, const std::vector<ObjectModel>& models) {

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFrames = 12;  // of each movie, unless the settings say otherwise
+constexpr int kMovieFrames = 12;  // of each movie, unless the settings say otherwise
 
 // One search to compare; the first one is the definition.
 struct ShortlistSetting {
@@ -90,7 +90,7 @@ Expected<MovieFrames> ReadMovieFrames(const fs::path& folder, const Recognizer& 
       EstimateSunDirection({all.cameras, recognizer, extractor, options.sun_direction}, *reader, settings.Cancel(),
                            [&](const std::string& warning) { settings.progress(warning); }));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t length, CountFrames(video));
-  const int count = settings.frames > 0 ? settings.frames : kFrames;
+  const int count = settings.frames > 0 ? settings.frames : kMovieFrames;
   VICTORIOUS_ASSIGN_OR_RETURN(all.frames, ReadNumberedFrames(video, EvenlySpaced(length, count), FrameColor::kGrey));
   return all;
 }

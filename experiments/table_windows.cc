@@ -25,7 +25,7 @@ namespace {
 
 const std::array<std::string, 4> kCategories = {kAirplanes, kCars, "Motorbikes", kBackground};
 const cv::Size kFrame = {640, 480};
-constexpr int kFrames = 60;  // per seed
+constexpr int kSeedFrames = 60;  // per seed
 constexpr int kMaxObjects = 3;
 
 struct PastedObject {
@@ -87,7 +87,7 @@ Expected<std::vector<PastedScene>> MakeScenes(const ExperimentSettings& settings
     return rows[members[random.Below(static_cast<std::uint32_t>(members.size()))]];
   };
   std::vector<PastedScene> scenes;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kSeedFrames; ++i) {
     VICTORIOUS_ASSIGN_OR_RETURN(const cv::Mat background, ReadGrey(settings, any_of(kBackground)));
     PastedScene& scene = scenes.emplace_back(PastedScene{FillFrame(background), {}});
     for (int k = 0; k < i % (kMaxObjects + 1); ++k) {
@@ -185,7 +185,7 @@ Expected<Report> RunTableWindows(const ExperimentSettings& settings) {
       fmt::format("{} seeds of {} frames, with zero to three test images pasted into a test image of the "
                   "background. Found: the correct category with an IoU of 0.25 or more with the annotated box and "
                   "a probability of 0.5 or more. {}.",
-                  settings.seeds, kFrames, kSplitNote)};
+                  settings.seeds, kSeedFrames, kSplitNote)};
   return report;
 }
 

@@ -89,9 +89,9 @@ TEST(TimeLeftText, IsMinutesOrHours) {
 }
 
 TEST(TimeLeftText, UnknownTimesAreNotShown) {
-  for (const double seconds :
+  for (const double spent_s :
        {-1.0, 1e9, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_EQ(TimeLeftText(seconds), "");
+    EXPECT_EQ(TimeLeftText(spent_s), "");
   }
 }
 

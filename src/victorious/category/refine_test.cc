@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 // A model trained on few images, of low accuracy.
 CategoryModel RawModel() { return *TrainCategories(testing::DrawExamples(3, 1), testing::SmallOptions()); }
 
-double Accuracy(const CategoryModel& model, std::span<const CategoryExample> examples) {
+double RefinedAccuracy(const CategoryModel& model, std::span<const CategoryExample> examples) {
   double right = 0;
   for (const CategoryExample& example : examples) {
     const auto result = Classify(model, QuantiseFeatures(model, example.features), CategoryMethod::kPhrases);
@@ -44,7 +44,7 @@ TEST(RefineCategories, LearnsFromMarkedResults) {
   const auto refined = RefineCategories(model, marks);
   ASSERT_TRUE(refined.has_value()) << refined.error().message;
   const auto negatives = DrawNegatives(15, 7);
-  EXPECT_GT(Accuracy(*refined, negatives), Accuracy(model, negatives) + 0.15);
+  EXPECT_GT(RefinedAccuracy(*refined, negatives), RefinedAccuracy(model, negatives) + 0.15);
 }
 
 TEST(RefineCategories, MarkedFalsePositiveScoresLower) {

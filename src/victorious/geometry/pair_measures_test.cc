@@ -12,7 +12,7 @@ struct Point {
   double x, y, scale_px, orientation_rad;
 };
 
-Point RandomPoint(Random& random) {
+Point RandomImagePoint(Random& random) {
   return {random.Uniform(-50, 50), random.Uniform(-50, 50), random.Uniform(1, 9), random.Uniform(-kPi, kPi)};
 }
 
@@ -34,8 +34,8 @@ TEST(PairMeasures, MatchTheThesis) {
 TEST(PairMeasures, AreInvariantUnderSimilarities) {
   Random random(1);
   for (int n = 0; n < 1000; ++n) {
-    const Point i = RandomPoint(random);
-    const Point j = RandomPoint(random);
+    const Point i = RandomImagePoint(random);
+    const Point j = RandomImagePoint(random);
     const Similarity2 by{random.Uniform(0.2, 5), random.Uniform(-kPi, kPi), {random.Uniform(-99, 99), 3}};
     const PairMeasures before = MeasurePair(i, j);
     const PairMeasures after = MeasurePair(Moved(i, by), Moved(j, by));
@@ -49,10 +49,10 @@ TEST(PairMeasures, AreInvariantUnderSimilarities) {
 TEST(PairMeasures, DistortionsAreSymmetric) {
   Random random(2);
   for (int n = 0; n < 1000; ++n) {
-    const Point i = RandomPoint(random);
-    const Point j = RandomPoint(random);
-    const Point k = RandomPoint(random);
-    const Point l = RandomPoint(random);
+    const Point i = RandomImagePoint(random);
+    const Point j = RandomImagePoint(random);
+    const Point k = RandomImagePoint(random);
+    const Point l = RandomImagePoint(random);
     const auto forth = std::pair(MeasurePair(i, j), MeasurePair(k, l));
     const auto back = std::pair(MeasurePair(j, i), MeasurePair(l, k));
     EXPECT_NEAR(RatioDistortion(forth.first.scale_ratio, forth.second.scale_ratio),

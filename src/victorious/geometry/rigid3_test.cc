@@ -12,11 +12,13 @@ using Eigen::Vector3d;
 
 constexpr std::uint64_t kSeed = 31;
 
-Vector3d RandomPoint(Random& random) { return {random.Uniform(-9, 9), random.Uniform(-9, 9), random.Uniform(-9, 9)}; }
+Vector3d RandomSpacePoint(Random& random) {
+  return {random.Uniform(-9, 9), random.Uniform(-9, 9), random.Uniform(-9, 9)};
+}
 
 Rigid3 RandomRigid(Random& random) {
-  const Eigen::AngleAxisd turn(random.Uniform(-kPi, kPi), RandomPoint(random).normalized());
-  return {Eigen::Quaterniond(turn), RandomPoint(random)};
+  const Eigen::AngleAxisd turn(random.Uniform(-kPi, kPi), RandomSpacePoint(random).normalized());
+  return {Eigen::Quaterniond(turn), RandomSpacePoint(random)};
 }
 
 TEST(Rigid3, RotatesThenTranslates) {
@@ -30,7 +32,7 @@ TEST(Rigid3, InverseProductAndMatrixAgree) {
   for (int i = 0; i < 100; ++i) {
     const Rigid3 a = RandomRigid(random);
     const Rigid3 b = RandomRigid(random);
-    const Vector3d point = RandomPoint(random);
+    const Vector3d point = RandomSpacePoint(random);
     EXPECT_LT((a.Inverse().Apply(a.Apply(point)) - point).norm(), 1e-12);
     EXPECT_LT(((a * b).Apply(point) - a.Apply(b.Apply(point))).norm(), 1e-12);
     EXPECT_LT(((a * b).Matrix() - a.Matrix() * b.Matrix()).norm(), 1e-12);

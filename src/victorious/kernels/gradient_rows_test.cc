@@ -13,7 +13,7 @@
 namespace victorious::kernels {
 namespace {
 
-constexpr float kUntouched = -7;
+constexpr float kUntouchedGradient = -7;
 
 std::vector<float> Noise(std::size_t count, Random& random) {
   std::vector<float> values(count);
@@ -78,7 +78,7 @@ TEST_P(GradientRowsTarget, FiltersAsTheReference) {
   Random random(4);
   for (const std::size_t columns : {1U, 2U, 15U, 16U, 17U, 100U}) {
     const std::vector<float> in = Noise(kGradientMargin + 2 * columns + kGradientPadding, random);
-    std::vector<float> out(columns + kGradientPadding, kUntouched);
+    std::vector<float> out(columns + kGradientPadding, kUntouchedGradient);
     std::vector<float> expected = out;
     ReduceGradients(in.data() + kGradientMargin, columns, out.data());
     ReduceGradientsRef(in.data() + kGradientMargin, columns, expected.data());

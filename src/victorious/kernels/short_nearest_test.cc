@@ -19,7 +19,7 @@ using Compute = void (*)(std::span<const std::int8_t>, const ShortSet&, std::spa
 
 constexpr std::uint32_t kLevels = 128;  // of a shortened descriptor's values
 
-std::vector<std::uint8_t> RandomRows(Random& random, std::size_t count, std::uint32_t levels) {
+std::vector<std::uint8_t> RandomShortRows(Random& random, std::size_t count, std::uint32_t levels) {
   std::vector<std::uint8_t> rows(count * kShortBytes);
   for (std::uint8_t& byte : rows) {
     byte = static_cast<std::uint8_t>(random.Below(levels) * (kLevels - 1) / std::max(1U, levels - 1));
@@ -45,8 +45,8 @@ void ExpectReference(FindShort find, Compute compute) {
   Random random(9);
   for (const std::uint32_t levels : {1U, 2U, kLevels}) {
     for (const std::size_t count : {std::size_t{1}, std::size_t{15}, std::size_t{33}, std::size_t{400}, kMaxShortSet}) {
-      const ShortSet set = PackShort(RandomRows(random, count, levels));
-      const std::vector<std::int8_t> queries = Centred(RandomRows(random, 5, std::min(levels + 1, kLevels)));
+      const ShortSet set = PackShort(RandomShortRows(random, count, levels));
+      const std::vector<std::int8_t> queries = Centred(RandomShortRows(random, 5, std::min(levels + 1, kLevels)));
       const std::size_t blocks = set.block_count();
       const std::vector<QueryBlocks> ranges = {{{0, blocks}, {}},
                                                {{blocks / 2, blocks}, {}},
@@ -85,8 +85,8 @@ TEST(ShortNearest, VnniMatchesReference) {
 // The reference itself: half distances differ as half the squared distances do, up to rounding.
 TEST(ShortNearest, HalfDistancesAreDistances) {
   Random random(10);
-  const std::vector<std::uint8_t> rows = RandomRows(random, 50, kLevels);
-  const std::vector<std::uint8_t> query = RandomRows(random, 1, kLevels);
+  const std::vector<std::uint8_t> rows = RandomShortRows(random, 50, kLevels);
+  const std::vector<std::uint8_t> query = RandomShortRows(random, 1, kLevels);
   const ShortSet set = PackShort(rows);
   std::vector<std::int32_t> half_distances(set.half_constant.size());
   ComputeHalfDistancesRef(Centred(query), set, half_distances);
@@ -105,7 +105,7 @@ TEST(ShortNearest, HalfDistancesAreDistances) {
 
 TEST(ShortNearest, SelectsAsIfPackedFromTheirRows) {
   Random random(11);
-  const std::vector<std::uint8_t> rows = RandomRows(random, 70, kLevels);
+  const std::vector<std::uint8_t> rows = RandomShortRows(random, 70, kLevels);
   const std::vector<std::uint32_t> numbers = {69, 0, 15, 16, 17, 3, 3, 40, 41, 2, 68, 30, 31, 32, 33, 34, 35};
   std::vector<std::uint8_t> selected_rows;
   for (const std::uint32_t number : numbers) {

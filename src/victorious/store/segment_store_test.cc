@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-std::vector<std::byte> Bytes(std::string_view text) {
+std::vector<std::byte> SegmentBytes(std::string_view text) {
   const auto bytes = std::as_bytes(std::span(text));
   return {bytes.begin(), bytes.end()};
 }
@@ -49,7 +49,7 @@ class SegmentStoreTest : public ::testing::TestWithParam<bool> {
 
   // Returns its id.
   std::int64_t Put(const VideoCut& cut, std::string_view prepared = "") {
-    const auto id = segments_->Put(cut, std::span(&model_, 1), Bytes(prepared));
+    const auto id = segments_->Put(cut, std::span(&model_, 1), SegmentBytes(prepared));
     EXPECT_TRUE(id) << id.error().message;
     return id.value_or(0);
   }
@@ -75,17 +75,17 @@ TEST_P(SegmentStoreTest, ResultsComeInTheOrderOfFrames) {
   const std::int64_t cut = Put(TwoSegments(), "prepared");
   EXPECT_EQ(Text(segments_->Prepared(cut).value()), "prepared");
   EXPECT_EQ(segments_->Find(cut).value()->step, 60);
-  ASSERT_TRUE(segments_->Complete(cut, {240, 340}, Bytes("late")));
+  ASSERT_TRUE(segments_->Complete(cut, {240, 340}, SegmentBytes("late")));
   EXPECT_THAT(Segments(cut),
               ElementsAre(Segment{{0, 240}, SegmentState::kOpen, ""}, Segment{{240, 340}, SegmentState::kDone, ""}));
-  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes(std::string("\0early", 6))));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, SegmentBytes(std::string("\0early", 6))));
   EXPECT_THAT(Results(cut), ElementsAre(std::string("0 \0early", 8), "240 late"));
 }
 
 TEST_P(SegmentStoreTest, EachSegmentIsDoneOnce) {
   const std::int64_t cut = Put(TwoSegments());
-  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("first")));
-  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("second")));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, SegmentBytes("first")));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, SegmentBytes("second")));
   EXPECT_THAT(Results(cut), ElementsAre("0 first"));
   EXPECT_EQ(segments_->Complete(cut, {0, 120}, {}).error().code, ErrorCode::kNotFound);
   EXPECT_EQ(segments_->Complete(cut + 1, {240, 340}, {}).error().code, ErrorCode::kNotFound);
@@ -94,7 +94,7 @@ TEST_P(SegmentStoreTest, EachSegmentIsDoneOnce) {
 // A process that stood still puts its cut again.
 TEST_P(SegmentStoreTest, SameCutStays) {
   const std::int64_t cut = Put(TwoSegments(), "a");
-  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("x")));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, SegmentBytes("x")));
   EXPECT_EQ(Put(TwoSegments(), "b"), cut);
   EXPECT_EQ(Text(segments_->Prepared(cut).value()), "a");
   EXPECT_THAT(Results(cut), ElementsAre("0 x"));
@@ -103,7 +103,7 @@ TEST_P(SegmentStoreTest, SameCutStays) {
 // Another build, or a model of other content under the same name: what was found before is out of date.
 TEST_P(SegmentStoreTest, AnotherPlanForTheSameModelTakesItsPlace) {
   const std::int64_t cut = Put(TwoSegments(), "a");
-  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("x")));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, SegmentBytes("x")));
   const std::int64_t other = Put(TwoSegments("other"), "c");
   EXPECT_NE(other, cut);
   EXPECT_EQ(Text(segments_->Prepared(other).value()), "c");
@@ -119,9 +119,9 @@ TEST_P(SegmentStoreTest, AnotherPlanForTheSameModelTakesItsPlace) {
 TEST_P(SegmentStoreTest, SearchesForOtherModelsAreCutBesides) {
   const std::int64_t cut = Put(TwoSegments(), "a");
   const std::int64_t other_model = model_ + 1;
-  const auto other = segments_->Put(TwoSegments("other"), std::span(&other_model, 1), Bytes("c"));
+  const auto other = segments_->Put(TwoSegments("other"), std::span(&other_model, 1), SegmentBytes("c"));
   ASSERT_TRUE(other) << other.error().message;
-  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("x")));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, SegmentBytes("x")));
   EXPECT_THAT(Results(cut), ElementsAre("0 x"));
   EXPECT_THAT(Results(*other), IsEmpty());
   const std::vector<VideoCut> both = segments_->CutsOf(video_).value();
@@ -133,22 +133,22 @@ TEST_P(SegmentStoreTest, SearchesForOtherModelsAreCutBesides) {
 }
 
 TEST_P(SegmentStoreTest, EachSegmentHasWhatItNeeds) {
-  const std::vector<std::vector<std::byte>> own = {Bytes("first"), Bytes("second")};
-  const std::int64_t cut = segments_->Put(TwoSegments(), std::span(&model_, 1), Bytes("all"), own).value();
+  const std::vector<std::vector<std::byte>> own = {SegmentBytes("first"), SegmentBytes("second")};
+  const std::int64_t cut = segments_->Put(TwoSegments(), std::span(&model_, 1), SegmentBytes("all"), own).value();
   EXPECT_EQ(segments_->PreparedOf(cut, {0, 240}).value(), own[0]);
   EXPECT_EQ(segments_->PreparedOf(cut, {240, 340}).value(), own[1]);
   EXPECT_EQ(segments_->PreparedOf(cut, {0, 120}).error().code, ErrorCode::kNotFound);
   ASSERT_TRUE(segments_->GiveUp(cut, {0, 240}, "signal 11"));
   EXPECT_EQ(segments_->PreparedOf(cut, {0, 120}).value(), own[0]);
   EXPECT_EQ(segments_->PreparedOf(cut, {120, 240}).value(), own[0]);
-  ASSERT_TRUE(segments_->Complete(cut, {120, 240}, Bytes("x")));
+  ASSERT_TRUE(segments_->Complete(cut, {120, 240}, SegmentBytes("x")));
   EXPECT_EQ(segments_->PreparedOf(cut, {120, 240}).error().code, ErrorCode::kNotFound) << "it is done";
 }
 
 TEST_P(SegmentStoreTest, JoinedResultsAreDiscarded) {
   const std::int64_t cut = Put(TwoSegments());
-  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, Bytes("a")));
-  ASSERT_TRUE(segments_->Complete(cut, {240, 340}, Bytes("b")));
+  ASSERT_TRUE(segments_->Complete(cut, {0, 240}, SegmentBytes("a")));
+  ASSERT_TRUE(segments_->Complete(cut, {240, 340}, SegmentBytes("b")));
   ASSERT_TRUE(segments_->Discard(cut, 239));
   EXPECT_THAT(Results(cut), ElementsAre("0 a", "240 b"));
   ASSERT_TRUE(segments_->Discard(cut, 240));
@@ -172,7 +172,7 @@ TEST_P(SegmentStoreTest, GivenUpSegmentIsCutDownToTheSmallest) {
   ASSERT_TRUE(segments_->Complete(cut, {0, 120}, {}));
   ASSERT_TRUE(segments_->GiveUp(cut, {0, 120}, "late"));
   EXPECT_EQ(Segments(cut).front().state, SegmentState::kDone);
-  ASSERT_TRUE(segments_->Complete(cut, {120, 180}, Bytes("late")));
+  ASSERT_TRUE(segments_->Complete(cut, {120, 180}, SegmentBytes("late")));
   EXPECT_EQ(Segments(cut)[1].state, SegmentState::kQuarantined) << "what is left out stays a gap";
 }
 

@@ -29,7 +29,7 @@ using ::testing::Not;
 using ::testing::SizeIs;
 using ::testing::StartsWith;
 
-constexpr int kPort = 8080;
+constexpr int kOpenPort = 8080;
 constexpr std::int64_t kHour = 3'600'000'000;
 const std::string kPassword = "correct horse battery";
 
@@ -97,7 +97,7 @@ class AccessTest : public ::testing::Test {
     if (request.host.empty()) request.host = "127.0.0.1:8080";
     if (request.client.empty()) request.client = "127.0.0.1";
     if (request.content_type.empty()) request.content_type = "application/json";
-    return api_->Handle(request, kPort);
+    return api_->Handle(request, kOpenPort);
   }
 
   // A request with the session of an account; empty: without.
@@ -167,7 +167,7 @@ TEST_F(AccessTest, EveryRouteAsksForItsRole) {
                        .host = "127.0.0.1:8080",
                        .content_type = "application/octet-stream"};
     if (*account != 0) upload.cookie = "victorious_8080=" + SecretOf(account);
-    const auto plan = api_->PlanUpload(upload, kPort);
+    const auto plan = api_->PlanUpload(upload, kOpenPort);
     EXPECT_EQ(plan ? 200 : plan.error().status, status) << account << ": refused before the body is read";
   }
 }
@@ -209,7 +209,7 @@ TEST_F(AccessTest, MetricsAreForAdministratorsAndNameRoutesNotRequests) {
   // A slow answer that nobody has made yet.
   HttpRequest frame{.target = "/api/v1/videos/1/frames/0", .host = "127.0.0.1:8080"};
   frame.cookie = "victorious_8080=" + SecretOf("viewer");
-  HttpResponse slow = api_->Begin(frame, kPort);
+  HttpResponse slow = api_->Begin(frame, kOpenPort);
   ASSERT_TRUE(slow.slow);
   const HttpResponse answer = SendAs("admin", {.target = "/metrics"});
   EXPECT_EQ(answer.status, 200);
@@ -350,7 +350,8 @@ TEST_F(AccessTest, LogInsThatFailAreLimited) {
   std::int64_t now_us = 0;
   const auto access = AccessControl::Open(index_, /*can_write=*/true, {}, [&] { return now_us; }).value();
   const auto log_in = [&](const std::string& name, const std::string& password) {
-    return access->LogIn({.client = "127.0.0.1", .body = json({{"name", name}, {"password", password}}).dump()}, kPort)
+    return access
+        ->LogIn({.client = "127.0.0.1", .body = json({{"name", name}, {"password", password}}).dump()}, kOpenPort)
         .value();
   };
   for (int i = 0; i < 10; ++i) EXPECT_EQ(log_in("admin", "wrong password").status, 401) << i;
@@ -369,30 +370,30 @@ TEST_F(AccessTest, SessionsEndByAClockThatNobodySets) {
   const auto access = AccessControl::Open(index_, /*can_write=*/true, {}, [&] { return now_us; }).value();
   HttpRequest request{.method = HttpMethod::kGet, .target = "/api/v1/project"};
   request.cookie = "victorious_8080=" + SecretOf("viewer");
-  EXPECT_TRUE(access->Admit(request, Role::kViewer, kPort));
+  EXPECT_TRUE(access->Admit(request, Role::kViewer, kOpenPort));
   now_us += 2 * kHour;
-  EXPECT_FALSE(access->Admit(request, Role::kViewer, kPort));
-  const auto logged_in =
-      access->LogIn({.client = "127.0.0.1", .body = json({{"name", "viewer"}, {"password", kPassword}}).dump()}, kPort);
+  EXPECT_FALSE(access->Admit(request, Role::kViewer, kOpenPort));
+  const auto logged_in = access->LogIn(
+      {.client = "127.0.0.1", .body = json({{"name", "viewer"}, {"password", kPassword}}).dump()}, kOpenPort);
   ASSERT_TRUE(logged_in);
   const std::string cookie(HeaderOf(*logged_in, "Set-Cookie"));
   request.cookie = cookie.substr(0, cookie.find(';'));
-  EXPECT_TRUE(access->Admit(request, Role::kViewer, kPort));
+  EXPECT_TRUE(access->Admit(request, Role::kViewer, kOpenPort));
 }
 
 TEST_F(AccessTest, NobodyLogsInToAnIndexThatCannotBeWritten) {
   const auto access = AccessControl::Open(index_, /*can_write=*/false, {}).value();
   AddAccounts();  // by another process
-  const auto refused =
-      access->LogIn({.client = "127.0.0.1", .body = json({{"name", "admin"}, {"password", kPassword}}).dump()}, kPort);
+  const auto refused = access->LogIn(
+      {.client = "127.0.0.1", .body = json({{"name", "admin"}, {"password", kPassword}}).dump()}, kOpenPort);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().error.code, ErrorCode::kPermissionDenied);
   EXPECT_THAT(refused.error().error.message, HasSubstr("cannot be written"));
   HttpRequest request{.method = HttpMethod::kPost, .target = "/api/v1/session/end"};
   request.cookie = "victorious_8080=" + SecretOf("admin");
-  const auto caller = access->Admit(request, Role::kViewer, kPort);
+  const auto caller = access->Admit(request, Role::kViewer, kOpenPort);
   ASSERT_TRUE(caller);
-  const auto ended = access->LogOut(*caller, kPort);
+  const auto ended = access->LogOut(*caller, kOpenPort);
   ASSERT_TRUE(ended);
   EXPECT_THAT(HeaderOf(*ended, "Set-Cookie"), HasSubstr("Max-Age=0"));
 }
@@ -468,7 +469,7 @@ TEST_F(AccessTest, UploadsAndJobsHaveLimits) {
     request.content_type = "application/octet-stream";
     request.authorization = "";
     request.cookie = "victorious_8080=" + SecretOf(account);
-    const auto planned = api_->PlanUpload(request, kPort);
+    const auto planned = api_->PlanUpload(request, kOpenPort);
     return planned ? 200 : planned.error().status;
   };
   EXPECT_EQ(plan("analyst"), 200);

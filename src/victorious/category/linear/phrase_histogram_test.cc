@@ -11,7 +11,7 @@
 namespace victorious {
 namespace {
 
-QuantisedImage RandomImage(std::uint64_t seed, bool on_a_grid) {
+QuantisedImage RandomGrid(std::uint64_t seed, bool on_a_grid) {
   Random random(seed);
   QuantisedImage image{.width = 100, .height = 100};
   for (int i = 0; i < 80; ++i) {
@@ -28,7 +28,7 @@ const std::vector<std::uint16_t> kClusterOfWord = {0, 1, 2, 0, 1, 2};
 
 TEST(FindPhrases, AreAllPairsOfEqualScaleWithinRadius) {
   for (const bool on_a_grid : {true, false}) {
-    const QuantisedImage image = RandomImage(5, on_a_grid);
+    const QuantisedImage image = RandomGrid(5, on_a_grid);
     std::set<std::pair<std::uint32_t, std::uint32_t>> found;
     for (const PhraseOccurrence& phrase : FindPhrases(image, kClusterOfWord, kClusters)) {
       EXPECT_TRUE(found.insert(std::minmax(phrase.i, phrase.j)).second) << "each once";
@@ -52,7 +52,7 @@ TEST(FindPhrases, AreAllPairsOfEqualScaleWithinRadius) {
 }
 
 TEST(FindPhrases, AreInvariantUnderRotation) {
-  const QuantisedImage image = RandomImage(7, false);
+  const QuantisedImage image = RandomGrid(7, false);
   QuantisedImage turned = image;
   for (Keypoint& keypoint : turned.keypoints) {
     const double c = std::cos(0.7);

@@ -22,7 +22,7 @@ std::vector<FeatureSet> Bars(std::uint64_t seed) {
   return bars;
 }
 
-ShapeEncoder Learnt(const ShapeOptions& options) {
+ShapeEncoder LearntShape(const ShapeOptions& options) {
   const std::vector<FeatureSet> bars = Bars(1);
   std::vector<const FeatureSet*> sets;
   for (const FeatureSet& bar : bars) sets.push_back(&bar);
@@ -31,7 +31,7 @@ ShapeEncoder Learnt(const ShapeOptions& options) {
 
 TEST(ShapeEncoder, NearestExampleHasSimilarOrientation) {
   const ShapeOptions options{.weight = 1, .dimensions = 16};
-  const ShapeEncoder encoder = Learnt(options);
+  const ShapeEncoder encoder = LearntShape(options);
   ASSERT_EQ(encoder.size(), 16U);
   const std::vector<FeatureSet> bars = Bars(1);
   Eigen::MatrixXf examples(16, 36);
@@ -54,13 +54,13 @@ TEST(ShapeEncoder, EqualShapesCompareAsOne) {
 }
 
 TEST(ShapeEncoder, ZeroWeightGivesEmptyShape) {
-  const ShapeEncoder encoder = Learnt({.weight = 0});
+  const ShapeEncoder encoder = LearntShape({.weight = 0});
   EXPECT_EQ(encoder.size(), 0U);
   EXPECT_EQ(encoder.Encode(Bar(0, 1)).size(), 0);
 }
 
 TEST(ShapeEncoder, NoFeaturesGiveFiniteShape) {
-  const ShapeEncoder encoder = Learnt({.weight = 1, .dimensions = 8});
+  const ShapeEncoder encoder = LearntShape({.weight = 1, .dimensions = 8});
   EXPECT_TRUE(encoder.Encode({.image_width = 96, .image_height = 96}).allFinite());
 }
 

@@ -8,7 +8,7 @@
 namespace victorious {
 namespace {
 
-constexpr std::uint64_t kSeed = 41;
+constexpr std::uint64_t kNoiseSeed = 41;
 
 cv::Mat Grey() { return {200, 300, CV_8UC3, cv::Scalar(120, 120, 120)}; }
 
@@ -24,10 +24,10 @@ double FractionOf(const cv::Mat& image, const cv::Scalar& colour) {
   return cv::countNonZero(mask) / static_cast<double>(image.total());
 }
 
-TEST(Degrade, DefaultIsIdentity) { EXPECT_EQ(cv::norm(Degraded({}, kSeed), Grey(), cv::NORM_INF), 0); }
+TEST(Degrade, DefaultIsIdentity) { EXPECT_EQ(cv::norm(Degraded({}, kNoiseSeed), Grey(), cv::NORM_INF), 0); }
 
 TEST(Degrade, SaltAndPepperHaveTheGivenFraction) {
-  const cv::Mat noisy = Degraded({.noise = 0.15}, kSeed);
+  const cv::Mat noisy = Degraded({.noise = 0.15}, kNoiseSeed);
   EXPECT_NEAR(FractionOf(noisy, {255, 255, 255}), 0.075, 0.006);
   EXPECT_NEAR(FractionOf(noisy, {0, 0, 0}), 0.075, 0.006);
   EXPECT_NEAR(FractionOf(noisy, {120, 120, 120}), 0.85, 0.01);
@@ -36,7 +36,7 @@ TEST(Degrade, SaltAndPepperHaveTheGivenFraction) {
 TEST(Degrade, GaussianNoiseHasItsSigmaInEachChannel) {
   cv::Scalar mean;
   cv::Scalar sigma;
-  cv::meanStdDev(Degraded({.grain = 6}, kSeed), mean, sigma);
+  cv::meanStdDev(Degraded({.grain = 6}, kNoiseSeed), mean, sigma);
   for (int channel = 0; channel < 3; ++channel) {
     EXPECT_NEAR(mean[channel], 120, 0.2);
     EXPECT_NEAR(sigma[channel], 6, 0.2);
@@ -46,7 +46,7 @@ TEST(Degrade, GaussianNoiseHasItsSigmaInEachChannel) {
 TEST(Degrade, BlurPrecedesNoise) {
   cv::Mat image = Grey();
   image.colRange(150, 300).setTo(cv::Scalar(220, 220, 220));
-  Degrade({.blur_px = 2, .noise = 0.05}, kSeed, image);
+  Degrade({.blur_px = 2, .noise = 0.05}, kNoiseSeed, image);
   // The edge is blurred, but the salt-and-pepper pixels on it are fully white and black.
   EXPECT_GT(FractionOf(image, {255, 255, 255}), 0.02);
   int between = 0;
@@ -59,8 +59,8 @@ TEST(Degrade, BlurPrecedesNoise) {
 
 TEST(Degrade, NoiseIsDeterministicBySeed) {
   const DegradeOptions options{.grain = 2, .noise = 0.02};
-  EXPECT_EQ(cv::norm(Degraded(options, kSeed), Degraded(options, kSeed), cv::NORM_INF), 0);
-  EXPECT_GT(cv::norm(Degraded(options, kSeed), Degraded(options, kSeed + 1), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(Degraded(options, kNoiseSeed), Degraded(options, kNoiseSeed), cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(Degraded(options, kNoiseSeed), Degraded(options, kNoiseSeed + 1), cv::NORM_INF), 0);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ Items FieldOfView(double degrees) {
 }
 
 // A packet `seconds` after the first.
-std::string At(double seconds, const std::vector<Items>& groups) {
+std::string HeldAt(double seconds, const std::vector<Items>& groups) {
   Items items = {{2, BigEndian(static_cast<std::uint64_t>(std::llround(1e6 * (1000 + seconds))), 8)}};
   for (const Items& group : groups) items.insert(items.end(), group.begin(), group.end());
   return St0601Packet(items);
@@ -50,8 +50,8 @@ std::string At(double seconds, const std::vector<Items>& groups) {
 Telemetry Parse(const std::string& packets) { return ParseTelemetry(packets, {}).value(); }
 
 TEST(KlvHold, AFieldOfViewThatIsSentOnceHolds) {
-  std::string packets = At(0, {Position(42), Pointing(90), FieldOfView(15)});
-  for (int i = 1; i < 40; ++i) packets += At(i, {Position(42), Pointing(90)});
+  std::string packets = HeldAt(0, {Position(42), Pointing(90), FieldOfView(15)});
+  for (int i = 1; i < 40; ++i) packets += HeldAt(i, {Position(42), Pointing(90)});
   const Telemetry telemetry = Parse(packets);
   ASSERT_EQ(telemetry.states.size(), 40U);
   EXPECT_NEAR(DegreesFromRadians(telemetry.states[30].hfov_rad.value_or(0)), 15, 0.01);
@@ -60,10 +60,10 @@ TEST(KlvHold, AFieldOfViewThatIsSentOnceHolds) {
 }
 
 TEST(KlvHold, AWithdrawnValueDoesNotHold) {
-  const std::string packets = At(0, {Position(42), Pointing(90), FieldOfView(15)}) +
-                              At(1, {Position(42), Pointing(90), {{16, ""}}}) + At(2, {Position(42), Pointing(90)}) +
-                              At(3, {Position(42), Pointing(90), FieldOfView(20)}) +
-                              At(4, {Position(42), Pointing(90)});
+  const std::string packets =
+      HeldAt(0, {Position(42), Pointing(90), FieldOfView(15)}) + HeldAt(1, {Position(42), Pointing(90), {{16, ""}}}) +
+      HeldAt(2, {Position(42), Pointing(90)}) + HeldAt(3, {Position(42), Pointing(90), FieldOfView(20)}) +
+      HeldAt(4, {Position(42), Pointing(90)});
   const Telemetry telemetry = Parse(packets);
   ASSERT_EQ(telemetry.states.size(), 5U);
   EXPECT_FALSE(telemetry.states[1].hfov_rad);
@@ -74,7 +74,7 @@ TEST(KlvHold, AWithdrawnValueDoesNotHold) {
 TEST(KlvHold, PacketsOfOneStreamCompleteEachOther) {
   std::string packets;
   for (int i = 0; i < 10; ++i) {
-    packets += At(0.1 * i, {i % 2 == 0 ? Position(42 + 1e-5 * i) : Pointing(358 + i)});
+    packets += HeldAt(0.1 * i, {i % 2 == 0 ? Position(42 + 1e-5 * i) : Pointing(358 + i)});
   }
   const Telemetry telemetry = Parse(packets);
   ASSERT_EQ(telemetry.states.size(), 10U);
@@ -86,8 +86,8 @@ TEST(KlvHold, PacketsOfOneStreamCompleteEachOther) {
 
 TEST(KlvHold, AnOldPositionHasALargerError) {
   std::string packets;
-  for (int i = 0; i < 5; ++i) packets += At(i, {Position(42 + 9e-5 * i), Pointing(90), FieldOfView(15)});
-  for (int i = 5; i < 20; ++i) packets += At(i, {Pointing(90), FieldOfView(15)});
+  for (int i = 0; i < 5; ++i) packets += HeldAt(i, {Position(42 + 9e-5 * i), Pointing(90), FieldOfView(15)});
+  for (int i = 5; i < 20; ++i) packets += HeldAt(i, {Pointing(90), FieldOfView(15)});
   const Telemetry telemetry = Parse(packets);
   ASSERT_EQ(telemetry.states.size(), 20U);
   EXPECT_FALSE(telemetry.states[4].sigma_position_m);
@@ -98,8 +98,8 @@ TEST(KlvHold, AnOldPositionHasALargerError) {
 TEST(KlvHold, APacketKeepsItsOwnHeight) {
   const Items above_sea = {{15, BigEndian(10000, 2)}};
   const Items place = {{13, Signed(42, 90)}, {14, Signed(-71, 180)}};
-  const std::string packets =
-      At(0, {Position(42), Pointing(90)}) + At(0.1, {place, above_sea, Pointing(90)}) + At(0.2, {place, Pointing(90)});
+  const std::string packets = HeldAt(0, {Position(42), Pointing(90)}) + HeldAt(0.1, {place, above_sea, Pointing(90)}) +
+                              HeldAt(0.2, {place, Pointing(90)});
   const Telemetry telemetry = Parse(packets);
   ASSERT_EQ(telemetry.states.size(), 3U);
   EXPECT_NEAR(telemetry.states[0].place.altitude_m, 1000, 1);
@@ -108,7 +108,7 @@ TEST(KlvHold, APacketKeepsItsOwnHeight) {
 }
 
 TEST(KlvHold, PacketsWithoutAStateAreCounted) {
-  std::string packets = At(0, {Position(42)}) + At(60, {Position(42), Pointing(90)});
+  std::string packets = HeldAt(0, {Position(42)}) + HeldAt(60, {Position(42), Pointing(90)});
   const Telemetry telemetry = Parse(packets);
   ASSERT_EQ(telemetry.states.size(), 1U);
   EXPECT_THAT(telemetry.warnings, Contains(HasSubstr("1 of 2 KLV packets give no camera state")));

@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 using testing::kSt0601LabelBytes;
 using testing::St0601Packet;
 
-constexpr const char* kHeader = "time_s,latitude_deg,longitude_deg,altitude_m,vertical_datum\n";
+constexpr const char* kTelemetryHeader = "time_s,latitude_deg,longitude_deg,altitude_m,vertical_datum\n";
 
 DataPacket Packet(int stream, std::optional<double> time_s, const std::string& text) {
   const Bytes bytes = AsBytes(text);
@@ -146,8 +146,8 @@ TEST(Telemetry, AnotherCameraCompletesNothing) {
 }
 
 TEST(Telemetry, RepeatedOrDecreasingTimesAreSkipped) {
-  const auto telemetry =
-      ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n1,42,-71,1,\n0.5,42,-71,1,\n2,42,-71,1,\n", {});
+  const auto telemetry = ParseTelemetry(
+      std::string(kTelemetryHeader) + "0,42,-71,1,\n1,42,-71,1,\n1,42,-71,1,\n0.5,42,-71,1,\n2,42,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
   EXPECT_EQ(telemetry->states.size(), 3U);
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("2 of 5 camera states")));
@@ -231,8 +231,8 @@ TEST(Telemetry, PacketsWithoutTimeAreReported) {
 }
 
 TEST(Telemetry, StateWithClockJumpIsSkipped) {
-  const auto telemetry =
-      ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,42,-71,1,\n3601,42,-71,1,\n2,42,-71,1,\n3,42,-71,1,\n", {});
+  const auto telemetry = ParseTelemetry(
+      std::string(kTelemetryHeader) + "0,42,-71,1,\n1,42,-71,1,\n3601,42,-71,1,\n2,42,-71,1,\n3,42,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
   ASSERT_EQ(telemetry->states.size(), 4U);
   EXPECT_EQ(telemetry->states.back().time_s, 3);
@@ -248,7 +248,7 @@ TEST(Telemetry, DamagedFirstPacketIsNotTimeZero) {
 }
 
 TEST(Telemetry, JumpsAndGapsAreReported) {
-  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,1,\n1,43,-71,1,\n9,43,-71,1,\n", {});
+  const auto telemetry = ParseTelemetry(std::string(kTelemetryHeader) + "0,42,-71,1,\n1,43,-71,1,\n9,43,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("jumps 1 time, faster")));
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("1 gap of more than 2 s: the camera state is unknown in it")));
@@ -302,7 +302,7 @@ TEST(Telemetry, OfAnUprightImageTheFocalLengthGivesTheHeight) {
 }
 
 TEST(Telemetry, HeightsAboveTakeOffNeedItsHeight) {
-  const std::string table = std::string(kHeader) + "0,42,-71,30,takeoff\n";
+  const std::string table = std::string(kTelemetryHeader) + "0,42,-71,30,takeoff\n";
   const auto unknown = ParseTelemetry(table, {});
   ASSERT_TRUE(unknown);
   EXPECT_EQ(unknown->states[0].datum, VerticalDatum::kTakeoff);
@@ -314,7 +314,7 @@ TEST(Telemetry, HeightsAboveTakeOffNeedItsHeight) {
 }
 
 TEST(Telemetry, HeightsAboveSeaLevelWithoutGridAreKeptAndReported) {
-  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,30,egm2008\n", {});
+  const auto telemetry = ParseTelemetry(std::string(kTelemetryHeader) + "0,42,-71,30,egm2008\n", {});
   ASSERT_TRUE(telemetry);
   EXPECT_EQ(telemetry->states[0].datum, VerticalDatum::kEgm2008);
   EXPECT_THAT(telemetry->warnings, Contains(HasSubstr("egm2008")));
@@ -342,7 +342,7 @@ TEST(Telemetry, MissingCameraFieldsAreNamed) {
 }
 
 TEST(Telemetry, InvalidUtf8GivesValidJson) {
-  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,\xFF,-71,1,\n1,42,-71,1,\n", {});
+  const auto telemetry = ParseTelemetry(std::string(kTelemetryHeader) + "0,\xFF,-71,1,\n1,42,-71,1,\n", {});
   ASSERT_TRUE(telemetry);
   EXPECT_NE(ToJson(*telemetry).dump().find("line 2"), std::string::npos);
 }
@@ -367,7 +367,7 @@ TEST(Telemetry, JsonHasEveryItemByNumberAndName) {
 }
 
 TEST(Telemetry, TextReportNamesMissingFields) {
-  const auto lines = DescribeTelemetry(*ParseTelemetry(std::string(kHeader) + "0,42,-71,30,takeoff\n", {}));
+  const auto lines = DescribeTelemetry(*ParseTelemetry(std::string(kTelemetryHeader) + "0,42,-71,30,takeoff\n", {}));
   EXPECT_THAT(lines, Contains(HasSubstr("the camera's attitude")));
   EXPECT_THAT(lines, Contains(HasSubstr("field of view")));
   EXPECT_THAT(lines, Contains(HasSubstr("above the ellipsoid")));
@@ -375,7 +375,7 @@ TEST(Telemetry, TextReportNamesMissingFields) {
 }
 
 TEST(Telemetry, TimeOffsetShiftsTheTimes) {
-  const auto telemetry = ParseTelemetry(std::string(kHeader) + "3,42,-71,1,\n", {.time_offset_s = -1.25});
+  const auto telemetry = ParseTelemetry(std::string(kTelemetryHeader) + "3,42,-71,1,\n", {.time_offset_s = -1.25});
   ASSERT_TRUE(telemetry);
   EXPECT_EQ(telemetry->states[0].time_s, 1.75);
 }
@@ -506,7 +506,7 @@ TEST(Telemetry, HeightsThatPutTheTakeOffBelowTheSeaAreReported) {
 }
 
 TEST(Telemetry, MaxGapIsTheLongestIntervalWithoutAWarning) {
-  const std::string table = std::string(kHeader) + "0,42,-71,1,\n3,42,-71,1,\n";
+  const std::string table = std::string(kTelemetryHeader) + "0,42,-71,1,\n3,42,-71,1,\n";
   EXPECT_THAT(ParseTelemetry(table, {.max_gap_s = 2.9})->warnings, Contains(HasSubstr("1 gap of more than 2.9 s")));
   EXPECT_THAT(ParseTelemetry(table, {.max_gap_s = 3.1})->warnings, Not(Contains(HasSubstr("gaps"))));
 }
@@ -526,7 +526,7 @@ TEST(Telemetry, HeightsAboveTheSeaAreConvertedByTheGivenGeoidGrid) {
   const testing::ScratchFolder folder;
   const std::string grid = (folder.path() / "grid.gtx").string();
   ASSERT_TRUE(WriteFileAtomically(grid, testing::ConstantGeoidGrid(-27.5F)));
-  const auto telemetry = ParseTelemetry(std::string(kHeader) + "0,42,-71,30,egm2008\n", {.geoid_grid = grid});
+  const auto telemetry = ParseTelemetry(std::string(kTelemetryHeader) + "0,42,-71,30,egm2008\n", {.geoid_grid = grid});
   ASSERT_TRUE(telemetry) << telemetry.error().message;
   EXPECT_EQ(telemetry->states[0].datum, VerticalDatum::kEllipsoid);
   EXPECT_NEAR(telemetry->states[0].place.altitude_m, 2.5, 1e-6);

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using testing::NumberedImage;
 using testing::ScratchFolder;
 
-std::unique_ptr<VideoReader> MustOpen(const std::filesystem::path& path, const VideoReaderOptions& options = {}) {
+std::unique_ptr<VideoReader> MustOpenImages(const std::filesystem::path& path, const VideoReaderOptions& options = {}) {
   auto reader = VideoReader::Open(path.string(), options);
   EXPECT_TRUE(reader) << reader.error().message;
   return reader ? *std::move(reader) : nullptr;
@@ -60,7 +60,7 @@ TEST(ImageSequenceReader, FolderInNaturalOrder) {
         cv::imwrite((folder / ("frame" + std::to_string(number) + ".png")).string(), NumberedImage(number, {80, 60})));
   }
   testing::WriteBytes(folder / "notes.txt", "not an image");
-  const auto reader = MustOpen(folder.path(), {.folder_frame_rate = 4});
+  const auto reader = MustOpenImages(folder.path(), {.folder_frame_rate = 4});
   ASSERT_TRUE(reader);
   EXPECT_EQ(reader->info().container, "folder of images");
   EXPECT_TRUE(reader->info().of_images);
@@ -87,7 +87,7 @@ TEST(ImageSequenceReader, UnusableImagesAreSkippedWithAWarning) {
   cv::imwrite((folder / "1.png").string(), NumberedImage(1, {80, 60}));
   cv::imwrite((folder / "2.png").string(), NumberedImage(2, {40, 60}));
   cv::imwrite((folder / "3.png").string(), NumberedImage(3, {80, 60}));
-  const auto reader = MustOpen(folder.path(), {.color = FrameColor::kBgr});
+  const auto reader = MustOpenImages(folder.path(), {.color = FrameColor::kBgr});
   ASSERT_TRUE(reader);
   const auto first = reader->NextFrame().value();
   const auto second = reader->NextFrame().value();
@@ -104,7 +104,7 @@ TEST(ImageSequenceReader, ImageIsAVideoOfOneFrame) {
   const ScratchFolder folder;
   const cv::Mat image = NumberedImage(77, {81, 61});
   cv::imwrite((folder / "one.png").string(), image);
-  const auto reader = MustOpen(folder / "one.png", {.color = FrameColor::kBgr});
+  const auto reader = MustOpenImages(folder / "one.png", {.color = FrameColor::kBgr});
   ASSERT_TRUE(reader);
   EXPECT_EQ(reader->info().container, "image");
   const auto frame = reader->NextFrame().value();

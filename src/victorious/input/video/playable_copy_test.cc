@@ -25,7 +25,7 @@ struct SeenFrame {
   int number = 0;
 };
 
-std::vector<SeenFrame> ReadAll(const std::filesystem::path& path) {
+std::vector<SeenFrame> ReadAllOfCopy(const std::filesystem::path& path) {
   const auto reader = VideoReader::Open(path.string(), {});
   EXPECT_TRUE(reader) << reader.error().message;
   std::vector<SeenFrame> frames;
@@ -41,8 +41,8 @@ std::vector<SeenFrame> ReadAll(const std::filesystem::path& path) {
 }
 
 void ExpectSameFrames(const std::filesystem::path& copy, const std::filesystem::path& source) {
-  const std::vector<SeenFrame> expected = ReadAll(source);
-  const std::vector<SeenFrame> frames = ReadAll(copy);
+  const std::vector<SeenFrame> expected = ReadAllOfCopy(source);
+  const std::vector<SeenFrame> frames = ReadAllOfCopy(copy);
   ASSERT_EQ(frames.size(), expected.size()) << source;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(frames[i].number, expected[i].number) << source << " frame " << i;
@@ -81,7 +81,7 @@ TEST(PlayableCopy, HasTheSameFramesAtTheSameTimes) {
     ExpectSameFrames(path, source);
     const auto reader = VideoReader::Open(path.string(), {});
     EXPECT_EQ((*reader)->info().codec, "h264");
-    EXPECT_GT((*reader)->info().duration_s.value_or(0), ReadAll(source).back().time_s)
+    EXPECT_GT((*reader)->info().duration_s.value_or(0), ReadAllOfCopy(source).back().time_s)
         << kind.name << ": the last frame is shown for a while";
   }
 }
@@ -123,7 +123,7 @@ TEST(PlayableCopy, DamagedFilesAreDecoded) {
   EXPECT_FALSE(copy->is_remuxed);
   EXPECT_GT(copy->frames, 0);
   const auto table = ReadFrameTimes((folder / "cut.ts").string(), copy->frames, {});
-  const std::vector<SeenFrame> frames = ReadAll(folder / "copy.mp4");
+  const std::vector<SeenFrame> frames = ReadAllOfCopy(folder / "copy.mp4");
   ASSERT_EQ(frames.size(), table->size());
   for (std::size_t i = 0; i < frames.size(); ++i) EXPECT_NEAR(frames[i].time_s, (*table)[i], 1e-5);
 }

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using testing::LoopbackServer;
 
-constexpr double kSilent_s = 60;  // the connection stays open longer than the busiest machine needs
+constexpr double kSilence_s = 60;  // the connection stays open longer than the busiest machine needs
 
 struct Received {
   Status status;
@@ -45,7 +45,7 @@ const std::string& SomeBytes() {
 
 TEST(ReadAddress, GivesWhatTheServerSends) {
   LoopbackServer server;
-  server.Serve(Answer(SomeBytes().size(), SomeBytes()), kSilent_s);
+  server.Serve(Answer(SomeBytes().size(), SomeBytes()), kSilence_s);
   const Received received = Receive(server.Url("http"));
   EXPECT_TRUE(received.status) << received.status.error().message;
   EXPECT_TRUE(received.bytes == SomeBytes());
@@ -90,7 +90,7 @@ TEST(ReadAddress, SaysWhyNothingCame) {
 TEST(ReadAddress, GivesUpOnAServerThatSendsNothing) {
   for (const std::string& head : {std::string(), Answer(1000, "some")}) {
     LoopbackServer server;
-    server.Serve(head, kSilent_s);
+    server.Serve(head, kSilence_s);
     const Received received = Receive(server.Url("http"), {.timeout_s = 0.3, .is_stopped = {}});
     ASSERT_FALSE(received.status);
     EXPECT_EQ(received.status.error().code, ErrorCode::kUnavailable);
@@ -100,7 +100,7 @@ TEST(ReadAddress, GivesUpOnAServerThatSendsNothing) {
 
 TEST(ReadAddress, Stops) {
   LoopbackServer server;
-  server.Serve(Answer(1000, "some"), kSilent_s);
+  server.Serve(Answer(1000, "some"), kSilence_s);
   int asked = 0;
   const Received received = Receive(server.Url("http"), {.is_stopped = [&] { return ++asked > 5; }});
   EXPECT_EQ(received.status.error().code, ErrorCode::kCancelled);

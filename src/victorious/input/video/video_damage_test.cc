@@ -53,13 +53,13 @@ Outcome ReadDamaged(const std::filesystem::path& path) {
   return outcome;
 }
 
-constexpr int kFrames = 50;
+constexpr int kDamagedFrames = 50;
 
 void WriteWhole(const std::filesystem::path& path, const std::string& muxer, const std::string& encoder) {
   WriteTestVideo(path, {.muxer = muxer,
                         .encoder = encoder,
                         .time_base_hz = 25,
-                        .pts = SteadyTimes(kFrames, 1),
+                        .pts = SteadyTimes(kDamagedFrames, 1),
                         .max_b_frames = encoder == "libx264" ? 2 : 0});
 }
 
@@ -81,8 +81,8 @@ TEST(VideoDamage, TruncatedFilesGiveTheirFirstFrames) {
         EXPECT_LE(part, 0.5) << name << ": " << outcome.error->message;
         continue;
       }
-      EXPECT_LE(outcome.frames, static_cast<std::size_t>(kFrames)) << name;
-      EXPECT_GE(static_cast<double>(outcome.frames), kFrames * (part - 0.3)) << name;
+      EXPECT_LE(outcome.frames, static_cast<std::size_t>(kDamagedFrames)) << name;
+      EXPECT_GE(static_cast<double>(outcome.frames), kDamagedFrames * (part - 0.3)) << name;
       for (std::size_t i = 0; i + 1 < outcome.frames; ++i) EXPECT_EQ(outcome.numbers[i], static_cast<int>(i)) << name;
       // A transport or program stream has no duration in its header.
       if (muxer != "mpegts" && muxer != "mpeg" && part < 0.8) {
@@ -161,7 +161,7 @@ TEST(VideoDamage, ChangedBytesNeverCrash) {
       }
       testing::WriteBytes(folder / "damaged", bytes);
       const Outcome outcome = ReadDamaged(folder / "damaged");
-      EXPECT_LE(outcome.frames, static_cast<std::size_t>(kFrames + 5)) << muxer << ", seed " << kSeed;
+      EXPECT_LE(outcome.frames, static_cast<std::size_t>(kDamagedFrames + 5)) << muxer << ", seed " << kSeed;
     }
   }
 }
@@ -184,7 +184,7 @@ TEST(VideoDamage, TimestampFarAheadAffectsNoOtherFrame) {
     EXPECT_NEAR(frame->time_s, count / 25.0, 1e-4);
     ++count;
   }
-  EXPECT_EQ(count, kFrames);
+  EXPECT_EQ(count, kDamagedFrames);
   EXPECT_THAT((*reader)->warnings(), Contains(HasSubstr("at 0.76 s: a damaged time stamp")));
 }
 
@@ -197,9 +197,9 @@ TEST(VideoDamage, HoleIsSkippedWithAWarning) {
   testing::WriteBytes(folder / "hole.ts", bytes);
   const Outcome outcome = ReadDamaged(folder / "hole.ts");
   EXPECT_FALSE(outcome.error);
-  EXPECT_GT(outcome.frames, static_cast<std::size_t>(kFrames / 2));
+  EXPECT_GT(outcome.frames, static_cast<std::size_t>(kDamagedFrames / 2));
   EXPECT_EQ(outcome.numbers.front(), 0);
-  EXPECT_EQ(outcome.numbers.back(), kFrames - 1) << "frames after the hole are read";
+  EXPECT_EQ(outcome.numbers.back(), kDamagedFrames - 1) << "frames after the hole are read";
   EXPECT_FALSE(outcome.warnings.empty());
 }
 

@@ -23,7 +23,7 @@ using testing::ObjectsOf;
 using testing::ShortFlight;
 using testing::SightingsOf;
 
-constexpr int kFrames = 80;
+constexpr int kCategoryFrames = 80;
 constexpr int kChange = 40;  // first frame of the second category
 
 CategoryModel TrainedModel(std::uint64_t seed = 1) {
@@ -40,7 +40,7 @@ class IndexCategoriesTest : public ::testing::Test {
   void SetUp() override {
     auto writer = VideoWriter::Create(video_, {.width = 160, .height = 120, .fps = 10});
     ASSERT_TRUE(writer) << writer.error().message;
-    for (int i = 0; i < kFrames; ++i) {
+    for (int i = 0; i < kCategoryFrames; ++i) {
       Random random(i < kChange ? 11 : 12);
       cv::Mat bgr;
       cv::cvtColor(testing::DrawPair(i < kChange, random), bgr, cv::COLOR_GRAY2BGR);
@@ -67,7 +67,7 @@ TEST_F(IndexCategoriesTest, FindsEachCategoryInItsFrames) {
   const auto store = Store("index.db");
   const auto report = TryIndex(*store);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->frames_searched, kFrames);
+  EXPECT_EQ(report->frames_searched, kCategoryFrames);
   for (const bool first : {true, false}) {
     const SightingFilter filter{.category_name = first ? "cross-disc" : "disc-cross"};
     const std::vector<SightingRecord> sightings = SightingsOf(*store, filter);
@@ -114,10 +114,10 @@ TEST_F(IndexCategoriesTest, ResumedSearchEqualsUninterruptedSearch) {
   ASSERT_FALSE(TryIndex(hooked, options, Redo::kNever, 1, cancel));
   const std::int64_t done = parts->FindSearch(1, 1).value().value().next_frame;
   EXPECT_GT(done, 0);
-  EXPECT_LT(done, kFrames);
+  EXPECT_LT(done, kCategoryFrames);
   const auto rest = TryIndex(*parts, options);
   ASSERT_TRUE(rest) << rest.error().message;
-  EXPECT_EQ(rest->frames_searched, kFrames - done);
+  EXPECT_EQ(rest->frames_searched, kCategoryFrames - done);
   EXPECT_EQ(Contents(*parts), Contents(*whole));
 
   const auto again = TryIndex(*parts, options);
@@ -142,7 +142,7 @@ TEST_F(IndexCategoriesTest, ChangedModelReplacesItsSightings) {
   ASSERT_TRUE(TryIndex(*store));
   const auto report = TryIndex(*store, {}, Redo::kNever, 2);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->frames_searched, kFrames);
+  EXPECT_EQ(report->frames_searched, kCategoryFrames);
   std::set<std::pair<std::int64_t, std::int64_t>> seen;
   for (const SightingRecord& sighting : SightingsOf(*store))
     EXPECT_TRUE(seen.emplace(sighting.model, sighting.frame).second);

@@ -20,9 +20,9 @@ using testing::Contents;
 using testing::FaultInjectingStore;
 using testing::SightingsOf;
 
-constexpr int kFrames = 84;  // beyond the restart of all tracks
-constexpr int kInterval = 5;
-constexpr int kObject_px = 40;
+constexpr int kDetectorFrames = 84;  // beyond the restart of all tracks
+constexpr int kDetectorInterval = 5;
+constexpr int kDetected_px = 40;
 
 class IndexDetectorTest : public ::testing::Test {
  protected:
@@ -30,9 +30,9 @@ class IndexDetectorTest : public ::testing::Test {
   void SetUp() override {
     auto writer = VideoWriter::Create(video_, {.width = 256, .height = 128, .fps = 10});
     ASSERT_TRUE(writer) << writer.error().message;
-    for (int i = 0; i < kFrames; ++i) {
+    for (int i = 0; i < kDetectorFrames; ++i) {
       cv::Mat bgr(128, 256, CV_8UC3, cv::Scalar(90, 90, 90));
-      cv::Mat object = bgr(cv::Rect(XOf(i), 40, kObject_px, kObject_px));
+      cv::Mat object = bgr(cv::Rect(XOf(i), 40, kDetected_px, kDetected_px));
       object = cv::Scalar(0, 0, 250);
       for (int k = 0; k < 8; ++k) object(cv::Rect(5 * (k % 4) + 6, 8 * (k / 2) + 3, 4, 4)) = cv::Scalar(0, 0, 170);
       ASSERT_TRUE((*writer)->Write(bgr));
@@ -70,18 +70,18 @@ TEST_F(IndexDetectorTest, SearchesSomeFramesAndTracksInBetween) {
   const auto store = Store("index.db");
   const auto report = TryIndex(*store);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->frames_searched, (kFrames + kInterval - 1) / kInterval);
+  EXPECT_EQ(report->frames_searched, (kDetectorFrames + kDetectorInterval - 1) / kDetectorInterval);
   EXPECT_THAT(informed_, ::testing::HasSubstr("one of 5 frames is searched, and what is found is tracked in between"));
   const std::vector<SightingRecord> sightings = SightingsOf(*store, {.category_name = "red"});
   std::set<std::int64_t> tracked;
   for (const SightingRecord& one : sightings) {
-    const bool is_searched = one.frame % kInterval == 0;
+    const bool is_searched = one.frame % kDetectorInterval == 0;
     EXPECT_EQ(one.source, is_searched ? SightingSource::kRecognised : SightingSource::kTracked) << one.frame;
-    const Box object{static_cast<double>(XOf(static_cast<int>(one.frame))), 40, kObject_px, kObject_px};
+    const Box object{static_cast<double>(XOf(static_cast<int>(one.frame))), 40, kDetected_px, kDetected_px};
     EXPECT_GT(Intersection(one.box, object).Area(), 0) << one.frame;
     if (!is_searched) tracked.insert(one.frame);
   }
-  EXPECT_GT(tracked.size(), kFrames / 2);
+  EXPECT_GT(tracked.size(), kDetectorFrames / 2);
   EXPECT_TRUE(SightingsOf(*store, {.category_name = "blue"}).empty());
 }
 
@@ -109,7 +109,7 @@ TEST_F(IndexDetectorTest, WithoutTrackingEveryFrameIsSearched) {
   options.follow.enabled = false;
   const auto report = TryIndex(*store, options);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(report->frames_searched, kFrames);
+  EXPECT_EQ(report->frames_searched, kDetectorFrames);
   for (const SightingRecord& one : SightingsOf(*store)) EXPECT_EQ(one.source, SightingSource::kRecognised);
 }
 
@@ -128,7 +128,7 @@ TEST_F(IndexDetectorTest, ResumedSearchEqualsUninterruptedSearch) {
   ASSERT_FALSE(TryIndex(hooked, options, cancel));
   const std::int64_t done = parts->FindSearch(1, 1).value().value().next_frame;
   EXPECT_GT(done, 60);  // beyond the restart of all tracks, between two searches or at one
-  EXPECT_LT(done, kFrames);
+  EXPECT_LT(done, kDetectorFrames);
   ASSERT_TRUE(TryIndex(*parts, options));
   EXPECT_EQ(Contents(*parts), Contents(*whole));
 }

@@ -24,14 +24,14 @@ using testing::ShortFlight;
 using testing::SightingsOf;
 using testing::VideosOf;
 
-constexpr std::int64_t kFrames = 200;
+constexpr std::int64_t kPassFrames = 200;
 
 // Grey images, 10 per second; `before_frame` is called with the index of each.
 class FakeReader final : public VideoReader {
  public:
   FakeReader(bool live, std::function<void(std::int64_t)> before_frame) : before_frame_(std::move(before_frame)) {
     info_.live = live;
-    info_.frame_count = kFrames;
+    info_.frame_count = kPassFrames;
   }
 
   [[nodiscard]] const VideoInfo& info() const override { return info_; }
@@ -40,7 +40,7 @@ class FakeReader final : public VideoReader {
     return "fake";
   }
   Expected<std::optional<Frame>> NextFrame() override {
-    if (next_ == kFrames) return std::nullopt;
+    if (next_ == kPassFrames) return std::nullopt;
     before_frame_(next_);
     if (next_ == broken_at) return Fail(ErrorCode::kInternal, "broken");
     const std::int64_t index = next_++;
@@ -54,7 +54,7 @@ class FakeReader final : public VideoReader {
   }
   std::vector<DataPacket> TakeDataPackets() override { return std::exchange(packets_, {}); }
   bool SeekTo(double /*time_s*/) override { return false; }
-  void SkipToEnd() override { next_ = kFrames; }
+  void SkipToEnd() override { next_ = kPassFrames; }
   [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
   [[nodiscard]] const std::vector<std::string>& notes() const override { return is_note ? warnings_ : none_; }
 
@@ -62,7 +62,7 @@ class FakeReader final : public VideoReader {
 
   static constexpr std::int64_t kFirstUtc_us = 1'700'000'000'000'000;
   static constexpr double kInterruption_s = 5;
-  std::int64_t interrupted_at = kFrames;  // from this frame on, frames are later
+  std::int64_t interrupted_at = kPassFrames;  // from this frame on, frames are later
   std::int64_t broken_at = -1;
   bool is_note = false;                                            // the warning is no damage
   std::function<cv::Mat(std::int64_t)> image_of;                   // grey image; default: a uniform one
@@ -172,7 +172,7 @@ TEST_F(IndexPassTest, PartsThatWereSearchedAreStored) {
   EXPECT_EQ(parts[1].kind, SearchPartKind::kDamaged);
   EXPECT_NEAR(parts[1].to_s, 7, 1e-9);
   EXPECT_EQ(parts[2].from_frame, 20);
-  EXPECT_EQ(parts[2].to_frame, kFrames);
+  EXPECT_EQ(parts[2].to_frame, kPassFrames);
 }
 
 TEST_F(IndexPassTest, ANoteOfTheReaderIsNoDamage) {
@@ -192,7 +192,7 @@ TEST_F(IndexPassTest, TimesOfARecordingAreCovered) {
   const std::vector<CoveredTime> covered = store_->CoveredTimes("udp://a").value();
   ASSERT_EQ(covered.size(), 1U);
   EXPECT_EQ(covered[0].from_utc_us, 1'000'000);
-  EXPECT_EQ(covered[0].to_utc_us, 1'000'000 + (kFrames - 1) * 100'000);
+  EXPECT_EQ(covered[0].to_utc_us, 1'000'000 + (kPassFrames - 1) * 100'000);
 }
 
 // The frames since the last restart of the tracks are held for what later frames may add.

@@ -13,13 +13,13 @@ using testing::ScratchFolder;
 using testing::ShortFlight;
 using testing::SyntheticFlight;
 
-constexpr int kFrames = 45;
+constexpr int kSegmentFrames = 45;
 
 // A key frame every 10 frames, with frames between them that refer to later ones.
-std::string WriteVideo(const std::filesystem::path& path) {
-  const SyntheticFlight flight(ShortFlight(kFrames));
+std::string WriteSegmentVideo(const std::filesystem::path& path) {
+  const SyntheticFlight flight(ShortFlight(kSegmentFrames));
   auto writer = VideoWriter::Create(path, {.width = 256, .height = 192, .fps = 10, .key_frame_interval = 10}).value();
-  for (int i = 0; i < kFrames; ++i) EXPECT_TRUE(writer->Write(flight.Render(i).image));
+  for (int i = 0; i < kSegmentFrames; ++i) EXPECT_TRUE(writer->Write(flight.Render(i).image));
   EXPECT_TRUE(writer->Finish());
   return path.string();
 }
@@ -33,13 +33,13 @@ std::vector<Frame> ReadAll(VideoReader& reader) {
 TEST(SegmentReader, ReadsWhatTheWholeVideoHas) {
   const ScratchFolder folder;
   for (const char* name : {"a.mp4", "a.mkv"}) {
-    const std::string video = WriteVideo(folder / name);
+    const std::string video = WriteSegmentVideo(folder / name);
     const FrameTable table = ReadFrameTable(video, {}).value().value();
-    EXPECT_EQ(table.times_s.size(), std::size_t{kFrames});
+    EXPECT_EQ(table.times_s.size(), std::size_t{kSegmentFrames});
     EXPECT_GE(table.key_times_s.size(), 5U);
     const std::vector<Frame> whole = ReadAll(**VideoReader::Open(video, {}));
     for (const FrameInterval frames :
-         {FrameInterval{0, 10}, {5, 20}, {10, 30}, {19, 21}, {23, 31}, {37, kFrames}, {44, kFrames}}) {
+         {FrameInterval{0, 10}, {5, 20}, {10, 30}, {19, 21}, {23, 31}, {37, kSegmentFrames}, {44, kSegmentFrames}}) {
       const auto reader = SegmentReader::Open(video, {}, table.times_s, frames).value();
       const std::vector<Frame> read = ReadAll(*reader);
       EXPECT_TRUE(reader->IsExact());
@@ -57,7 +57,7 @@ TEST(SegmentReader, ReadsWhatTheWholeVideoHas) {
 // The times of another video: with a frame more, one less, or one at another time.
 TEST(SegmentReader, VideoThatIsNotAsListedIsNotExact) {
   const ScratchFolder folder;
-  const std::string video = WriteVideo(folder / "a.mp4");
+  const std::string video = WriteSegmentVideo(folder / "a.mp4");
   const std::vector<double> times_s = ReadFrameTable(video, {}).value().value().times_s;
   const auto is_exact = [&](std::vector<double> listed_s, FrameInterval frames) {
     const auto reader = SegmentReader::Open(video, {}, listed_s, frames).value();

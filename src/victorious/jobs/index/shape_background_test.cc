@@ -17,11 +17,12 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr int kFrames = 200;  // 20 s
+constexpr int kBackgroundVideoFrames = 200;  // 20 s
 
 std::string WriteVideo(const testing::ScratchFolder& folder, int key_frame_interval) {
   const std::filesystem::path path = folder / "video.mp4";
-  testing::WriteTestVideo(path, {.pts = testing::SteadyTimes(kFrames, 100), .key_frame_interval = key_frame_interval});
+  testing::WriteTestVideo(
+      path, {.pts = testing::SteadyTimes(kBackgroundVideoFrames, 100), .key_frame_interval = key_frame_interval});
   return path.string();
 }
 
@@ -32,7 +33,7 @@ std::vector<int> FramesRead(int key_frame_interval, double duration_s) {
   const std::vector<cv::Mat> frames = ReadSpreadFrames(video, duration_s, 4, 1, {}).value();
   auto reader = VideoReader::Open(video, {}).value();
   std::vector<int> numbers;
-  for (int number = 0; number < kFrames; ++number) {
+  for (int number = 0; number < kBackgroundVideoFrames; ++number) {
     const cv::Mat image = reader->NextFrame().value()->image;
     for (const cv::Mat& frame : frames) {
       if (cv::norm(frame, image, cv::NORM_INF) == 0) numbers.push_back(number);

@@ -20,7 +20,7 @@ namespace victorious {
 namespace {
 
 // Discs and rectangles of many sizes, blurred a little, with noise.
-cv::Mat Clutter(int width, int height, std::uint64_t seed) {
+cv::Mat SiftClutter(int width, int height, std::uint64_t seed) {
   Random random(seed);
   cv::Mat image(height, width, CV_8UC1, cv::Scalar(128));
   const auto below = [&](int bound) { return static_cast<int>(random.Below(static_cast<std::uint32_t>(bound))); };
@@ -59,7 +59,7 @@ class SiftTarget : public kernels::TargetTest {};
 
 // The reference: the least of the instruction sets, which Highway numbers last.
 TEST_P(SiftTarget, GivesTheSameFeatures) {
-  const cv::Mat image = Clutter(211, 173, 1);
+  const cv::Mat image = SiftClutter(211, 173, 1);
   const FeatureSet features = Extractor("sift")->Extract(image).value();
   Choose(kernels::TestedTargets().back());
   const FeatureSet expected = Extractor("sift")->Extract(image).value();
@@ -70,7 +70,7 @@ TEST_P(SiftTarget, GivesTheSameFeatures) {
 VICTORIOUS_EVERY_TARGET(SiftTarget);
 
 TEST(Sift, ThreadsDoNotChangeTheFeatures) {
-  const cv::Mat image = Clutter(320, 400, 2);  // several bands
+  const cv::Mat image = SiftClutter(320, 400, 2);  // several bands
   const auto extractor = Extractor("sift");
   const oneapi::tbb::global_control allow(oneapi::tbb::global_control::max_allowed_parallelism, 8);
   std::optional<FeatureSet> alone;
@@ -84,7 +84,7 @@ TEST(Sift, ManyImagesAtATimeAndAgain) {
   std::vector<cv::Mat> images;
   std::vector<FeatureSet> expected;
   for (int i = 0; i < 6; ++i) {
-    images.push_back(Clutter(60 + 45 * i, 250 - 35 * i, static_cast<std::uint64_t>(i)));
+    images.push_back(SiftClutter(60 + 45 * i, 250 - 35 * i, static_cast<std::uint64_t>(i)));
     expected.push_back(Extractor("sift")->Extract(images.back()).value());
   }
   const auto extractor = Extractor("sift");
@@ -99,7 +99,7 @@ TEST(Sift, ManyImagesAtATimeAndAgain) {
 }
 
 TEST(Sift, AnyPartOfALargerImageIsAnImage) {  // rows that are not contiguous
-  const cv::Mat image = Clutter(200, 150, 3);
+  const cv::Mat image = SiftClutter(200, 150, 3);
   const cv::Mat part = image(cv::Rect(31, 17, 101, 93));
   const auto extractor = Extractor("sift");
   ExpectSame(extractor->Extract(part).value(), extractor->Extract(part.clone()).value());
@@ -107,7 +107,7 @@ TEST(Sift, AnyPartOfALargerImageIsAnImage) {  // rows that are not contiguous
 
 TEST(Sift, EverySmallSize) {
   const auto extractor = Extractor("sift");
-  const cv::Mat image = Clutter(400, 60, 4);
+  const cv::Mat image = SiftClutter(400, 60, 4);
   for (int height = 1; height < 40; ++height) {
     for (const int width : {8, 9, 15, 16, 17, 31, 33, 40, 400}) {
       const FeatureSet features = extractor->Extract(image(cv::Rect(0, 0, width, height))).value();
@@ -126,7 +126,7 @@ TEST(Sift, AConstantImageHasNone) {
 }
 
 TEST(Sift, TheStrongestKeepTheirOrder) {
-  const cv::Mat image = Clutter(200, 150, 5);
+  const cv::Mat image = SiftClutter(200, 150, 5);
   const FeatureSet all = Extractor("sift")->Extract(image).value();
   const FeatureSet few = Extractor("sift", 100)->Extract(image).value();
   ASSERT_EQ(few.size(), 100U);
@@ -140,7 +140,7 @@ TEST(Sift, TheStrongestKeepTheirOrder) {
 
 // OpenCV is the check: the same keypoints, with descriptors that match.
 TEST(Sift, AgreesWithOpenCv) {
-  const cv::Mat image = Clutter(320, 240, 6);
+  const cv::Mat image = SiftClutter(320, 240, 6);
   const FeatureSet ours = Extractor("sift")->Extract(image).value();
   const FeatureSet theirs = Extractor("opencv")->Extract(image).value();
   EXPECT_NEAR(static_cast<double>(ours.size()), static_cast<double>(theirs.size()),

@@ -22,9 +22,9 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kTolerance = 1e-4;
+constexpr double kReadTolerance = 1e-4;
 
-Expected<LoadedMesh> Decode(const std::string& bytes, const std::string& name) {
+Expected<LoadedMesh> DecodeFile(const std::string& bytes, const std::string& name) {
   return DecodeMesh(std::as_bytes(std::span(bytes)), name);
 }
 
@@ -98,12 +98,12 @@ TEST(ReadableGltf, QuantisedPositions) {
   millimetres.AddPositions<std::int16_t>(5122, 1000);
   millimetres.root["nodes"][0]["scale"] = {0.001, 0.001, 0.001};
   millimetres.root["extensionsRequired"] = {"KHR_mesh_quantization"};
-  EXPECT_LT((SizeOf(Decode(millimetres.Bytes(), "a.glb")) - kSize).norm(), kTolerance);
+  EXPECT_LT((SizeOf(DecodeFile(millimetres.Bytes(), "a.glb")) - kSize).norm(), kReadTolerance);
 
   Gltf normalised;
   normalised.AddPositions<std::int16_t>(5122, 8191, true);
   normalised.root["nodes"][0]["scale"] = {4, 4, 4};
-  EXPECT_LT((SizeOf(Decode(normalised.Bytes(), "a.glb")) - kSize).norm(), 1e-3);
+  EXPECT_LT((SizeOf(DecodeFile(normalised.Bytes(), "a.glb")) - kSize).norm(), 1e-3);
 }
 
 TEST(ReadableGltf, NormalisedTextureCoordinates) {
@@ -114,7 +114,7 @@ TEST(ReadableGltf, NormalisedTextureCoordinates) {
   gltf.root["textures"] = {{{"source", 0}}};
   gltf.root["images"] = {{{"uri", "none.png"}}};
   gltf.root["meshes"][0]["primitives"][0]["material"] = 0;
-  const auto loaded = Decode(gltf.Bytes(), "a.glb");
+  const auto loaded = DecodeFile(gltf.Bytes(), "a.glb");
   ASSERT_TRUE(loaded);
   EXPECT_THAT(loaded->mesh.uvs, Contains(Eigen::Vector2f(1, 0)));
   EXPECT_THAT(loaded->mesh.uvs, Contains(Eigen::Vector2f(0, 1)));
@@ -129,7 +129,7 @@ TEST(ReadableGltf, SkinsAreAppliedAtRest) {
   gltf.root["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"scale", {0.01, 0.01, 0.01}}}, {{"scale", {2, 2, 2}}}};
   gltf.root["scenes"][0]["nodes"] = {0, 1};
   gltf.root["skins"] = {{{"joints", {1}}}};
-  EXPECT_LT((SizeOf(Decode(gltf.Bytes(), "a.glb")) - 2 * kSize).norm(), kTolerance);
+  EXPECT_LT((SizeOf(DecodeFile(gltf.Bytes(), "a.glb")) - 2 * kSize).norm(), kReadTolerance);
 }
 
 TEST(ReadableGltf, MorphTargetsHaveTheirDefaultWeights) {
@@ -138,9 +138,9 @@ TEST(ReadableGltf, MorphTargetsHaveTheirDefaultWeights) {
   const std::size_t target = gltf.Add<float>(5126, "VEC3", {0, 0, 0, 0, 0, 0, 0, 6, 0, 0, 0, 0});
   gltf.root["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", target}}};
   gltf.root["meshes"][0]["weights"] = {0.5};
-  EXPECT_LT((SizeOf(Decode(gltf.Bytes(), "a.glb")) - Eigen::Vector3d(4, 2, 6)).norm(), kTolerance);
+  EXPECT_LT((SizeOf(DecodeFile(gltf.Bytes(), "a.glb")) - Eigen::Vector3d(4, 2, 6)).norm(), kReadTolerance);
   gltf.root["nodes"][0]["weights"] = {1.0};
-  EXPECT_LT((SizeOf(Decode(gltf.Bytes(), "a.glb")) - Eigen::Vector3d(4, 2, 9)).norm(), kTolerance);
+  EXPECT_LT((SizeOf(DecodeFile(gltf.Bytes(), "a.glb")) - Eigen::Vector3d(4, 2, 9)).norm(), kReadTolerance);
 }
 
 TEST(ReadableGltf, InstancesAreDrawnAndNotTheMeshItself) {
@@ -149,8 +149,8 @@ TEST(ReadableGltf, InstancesAreDrawnAndNotTheMeshItself) {
   const std::size_t places = gltf.Add<float>(5126, "VEC3", {100, 0, 0, 110, 0, 0});
   gltf.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = places;
   gltf.root["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
-  const auto loaded = Decode(gltf.Bytes(), "a.glb");
-  EXPECT_LT((SizeOf(loaded) - Eigen::Vector3d(4, 12, 3)).norm(), kTolerance);
+  const auto loaded = DecodeFile(gltf.Bytes(), "a.glb");
+  EXPECT_LT((SizeOf(loaded) - Eigen::Vector3d(4, 12, 3)).norm(), kReadTolerance);
   EXPECT_EQ(loaded->mesh.triangles.size(), 8U);
 }
 
@@ -158,25 +158,25 @@ TEST(ReadableGltf, MapCoordinatesOfNodesLoseNothing) {
   Gltf gltf;
   gltf.AddPositions<float>(5126, 1);
   gltf.root["nodes"][0]["translation"] = {2600012.3, 0, 1200035.7};
-  EXPECT_LT((SizeOf(Decode(gltf.Bytes(), "a.glb")) - kSize).norm(), kTolerance);
+  EXPECT_LT((SizeOf(DecodeFile(gltf.Bytes(), "a.glb")) - kSize).norm(), kReadTolerance);
 }
 
 TEST(ReadableGltf, AnExtensionThatIsRequiredAndNotReadIsNamed) {
   Gltf gltf;
   gltf.AddPositions<float>(5126, 1);
   gltf.root["extensionsRequired"] = {"EXAMPLE_not_known"};
-  const auto loaded = Decode(gltf.Bytes(), "a.glb");
+  const auto loaded = DecodeFile(gltf.Bytes(), "a.glb");
   ASSERT_FALSE(loaded);
   EXPECT_THAT(loaded.error().message, HasSubstr("EXAMPLE_not_known"));
 
   Gltf images;
   images.AddPositions<float>(5126, 1);
   images.root["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}}};
-  const auto with_warning = Decode(images.Bytes(), "a.glb");
+  const auto with_warning = DecodeFile(images.Bytes(), "a.glb");
   ASSERT_TRUE(with_warning);
   EXPECT_THAT(with_warning->warnings, Contains(HasSubstr("EXT_texture_webp")));
   images.root["extensionsRequired"] = {"EXT_texture_webp"};
-  EXPECT_FALSE(Decode(images.Bytes(), "a.glb"));
+  EXPECT_FALSE(DecodeFile(images.Bytes(), "a.glb"));
 }
 
 // Whatever its numbers say, a file is read or refused.
@@ -191,7 +191,7 @@ TEST(ReadableGltf, DamagedNumbersAreNoCrash) {
     const std::string text = fmt::format("\"{}\":", key);
     for (std::size_t at = bytes.find(text); at != std::string::npos; at = bytes.find(text, at + 1))
       bytes[at + text.size()] = '9';
-    const auto loaded = Decode(bytes, "a.glb");
+    const auto loaded = DecodeFile(bytes, "a.glb");
     EXPECT_TRUE(loaded || loaded.error().message.find('\n') == std::string::npos) << key;
   }
 }
@@ -205,15 +205,15 @@ std::string Obj(double east, double north, const std::string& first = "") {
 
 TEST(ReadableObj, MapCoordinatesLoseNothing) {
   for (const auto& [east, north] : std::to_array<std::pair<double, double>>({{530012, 180035}, {2600012, 1200035}}))
-    EXPECT_LT((SizeOf(Decode(Obj(east, north), "a.obj")) - kSize).norm(), 1e-3);
+    EXPECT_LT((SizeOf(DecodeFile(Obj(east, north), "a.obj")) - kSize).norm(), 1e-3);
 }
 
 TEST(ReadableObj, AMaterialFileThatIsNotThereIsSaid) {
   const std::string bytes = "\xEF\xBB\xBFmtllib not_there.mtl\n" + Obj(0, 0);
-  const auto loaded = Decode(bytes, "a.obj");
+  const auto loaded = DecodeFile(bytes, "a.obj");
   ASSERT_TRUE(loaded);
   EXPECT_THAT(loaded->warnings, Contains(HasSubstr("not_there.mtl: no such file")));
-  EXPECT_THAT(Decode(Obj(0, 0), "a.obj")->warnings, IsEmpty());
+  EXPECT_THAT(DecodeFile(Obj(0, 0), "a.obj")->warnings, IsEmpty());
 }
 
 TEST(ReadableObj, NamesInAnotherCaseAreFound) {
@@ -241,11 +241,11 @@ TEST(ReadableObj, AnInvisibleObjectIsOpaque) {
 
 TEST(ReadableObj, VertexColoursMayBeBytes) {
   const std::string bytes = "v 0 0 0 255 0 0\nv 1 0 0 255 0 0\nv 0 1 0 255 0 0\nf 1 2 3\n";
-  const auto loaded = Decode(bytes, "a.obj");
+  const auto loaded = DecodeFile(bytes, "a.obj");
   ASSERT_TRUE(loaded);
   EXPECT_EQ(loaded->mesh.colours.at(0), Eigen::Vector4f(1, 0, 0, 1));
   const std::string half = "v 0 0 0 127 127 127\nv 1 0 0 127 127 127\nv 0 1 0 127 127 127\nf 1 2 3\n";
-  EXPECT_NEAR(Decode(half, "a.obj")->mesh.colours.at(0).x(), 0.212, 1e-3);
+  EXPECT_NEAR(DecodeFile(half, "a.obj")->mesh.colours.at(0).x(), 0.212, 1e-3);
 }
 
 // A binary triangle; `low` is the first byte of its data.
@@ -265,13 +265,13 @@ std::string Ply(char low, const std::string& properties = "") {
 
 TEST(ReadablePly, DataMayBeginWithALineFeed) {
   for (const char low : {'\x0A', '\x0B', '\x0D'}) {
-    const auto loaded = Decode(Ply(low), "a.ply");
+    const auto loaded = DecodeFile(Ply(low), "a.ply");
     EXPECT_LT((SizeOf(loaded) - Eigen::Vector3d(4, 2, 0)).norm(), 1e-3) << int{low};
   }
 }
 
 TEST(ReadablePly, DiffuseColoursAreColours) {
-  const auto loaded = Decode(
+  const auto loaded = DecodeFile(
       Ply(0, "property uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\n"), "a.ply");
   ASSERT_TRUE(loaded);
   ASSERT_FALSE(loaded->mesh.colours.empty());
@@ -279,7 +279,7 @@ TEST(ReadablePly, DiffuseColoursAreColours) {
 }
 
 TEST(ReadablePly, APointCloudIsNamed) {
-  const auto loaded = Decode("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n", "a.ply");
+  const auto loaded = DecodeFile("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n", "a.ply");
   ASSERT_FALSE(loaded);
   EXPECT_THAT(loaded.error().message, HasSubstr("a point cloud"));
 }

@@ -51,7 +51,7 @@ Photo Prepare(const PhotoImage& image, const std::optional<Box>& box) {
   return photo.value_or(Photo{});
 }
 
-ObjectModel MakeModel(std::span<const Photo> photos) {
+ObjectModel MakePhotoModelOf(std::span<const Photo> photos) {
   Expected<ObjectModel> model = MakePhotoModel("object", photos, std::nullopt, {});
   EXPECT_TRUE(model) << model.error().message;
   return model.value_or(ObjectModel{});
@@ -191,14 +191,14 @@ TEST(MakePhotoModel, StoresEngineAndOptions) {
 TEST(MakePhotoModel, KeypointsLieOnTheObjectInPixelsOfThePhoto) {
   const PhotoImage image = ObjectOnGround(ObjectKind::kAircraft);
   const Photo photo = Prepare(image, std::nullopt);
-  const ObjectModel model = MakeModel(std::span(&photo, 1));
+  const ObjectModel model = MakePhotoModelOf(std::span(&photo, 1));
   ASSERT_GT(model.features.size(), 20U);
   for (const Keypoint& keypoint : model.features.keypoints) {
     EXPECT_NE(photo.mask.at<std::uint8_t>(static_cast<int>(keypoint.y), static_cast<int>(keypoint.x)), 0)
         << keypoint.x << ',' << keypoint.y;
   }
   const Photo boxed = Prepare({image.bgr, {}}, Box{60, 60, 90, 100});
-  const ObjectModel of_box = MakeModel(std::span(&boxed, 1));
+  const ObjectModel of_box = MakePhotoModelOf(std::span(&boxed, 1));
   for (const Keypoint& keypoint : of_box.features.keypoints) {
     EXPECT_TRUE((Box{60, 60, 90, 100}).Contains(keypoint.x, keypoint.y));
   }

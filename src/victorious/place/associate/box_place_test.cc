@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+const GeodeticPoint kBoxOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 const cv::Size kImage(640, 480);
 
 struct BoxFlight {
@@ -33,7 +33,7 @@ CameraState CameraAt(const BoxFlight& flight, double time_s) {
   if (flight.circles) camera = Vector3d(90 * std::cos(0.4 * time_s), 90 * std::sin(0.4 * time_s), 100);
   const Vector3d to = time_s * flight.velocity_enu - camera;
   return {.time_s = time_s,
-          .place = TangentPlane(kOrigin).GeodeticFromEnu(camera),
+          .place = TangentPlane(kBoxOrigin).GeodeticFromEnu(camera),
           .attitude = Attitude{std::atan2(to.x(), to.y()) + 0.01, std::asin(to.z() / to.norm()) + 0.005, 0.02},
           .hfov_rad = RadiansFromDegrees(20),
           .sigma_position_m = 0.05,
@@ -50,7 +50,7 @@ std::vector<BearingObservation> Fly(const BoxFlight& flight, const ObjectType* t
   for (int i = 0; i < flight.frames; ++i) {
     const double time_s = 0.1 * i;
     const CameraState camera = CameraAt(flight, time_s);
-    const GeodeticPoint object = TangentPlane(kOrigin).GeodeticFromEnu(time_s * flight.velocity_enu);
+    const GeodeticPoint object = TangentPlane(kBoxOrigin).GeodeticFromEnu(time_s * flight.velocity_enu);
     const auto middle = PredictBox(object, {0, 0, 10, 6}, camera, camera, kImage);
     const double range_m = TangentPlane(camera.place).EnuFromGeodetic(object).norm();
     const double side_px = 320 / std::tan(RadiansFromDegrees(10)) * seen_fraction * flight.length_m / range_m;
@@ -77,7 +77,7 @@ TEST(EstimateBoxPlaces, StaticObjectLiesInsideErrorEllipsoid) {
     const BoxFlight flight{.seed = static_cast<std::uint64_t>(seed) + 7};
     const auto places = EstimateBoxPlaces(Fly(flight, nullptr, kBoxCentreFraction), BoxMotion::kUnknown, {}, Exact());
     ASSERT_TRUE(places.front() && places.back());
-    const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(places.back()->point);
+    const Vector3d error = TangentPlane(kBoxOrigin).EnuFromGeodetic(places.back()->point);
     inside += error.dot(places.back()->covariance_enu_m2.inverse() * error) < testing::kChiSquared90Of3 ? 1 : 0;
     EXPECT_LT(places.back()->ce90_m, 5);
     EXPECT_EQ(places.front()->point, places.back()->point);
@@ -91,7 +91,7 @@ TEST(EstimateBoxPlaces, ObjectTypeLengthGivesRange) {
       << "one line of sight, and no range";
   const auto place = EstimateBoxPlaces(Fly(hovers, FindObjectType("car"), 0), BoxMotion::kStatic, {}, {}).back();
   ASSERT_TRUE(place);
-  const double error_m = TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm();
+  const double error_m = TangentPlane(kBoxOrigin).EnuFromGeodetic(place->point).norm();
   EXPECT_LT(error_m, 60);
   EXPECT_GT(place->ce90_m, 20) << "only the length of cars is known";
 }
@@ -104,7 +104,7 @@ TEST(EstimateBoxPlaces, MovingObjectIsLocatedAtEachTime) {
     if (!places[static_cast<std::size_t>(i)]) continue;
     ++located;
     const Geolocation& place = *places[static_cast<std::size_t>(i)];
-    const Vector3d off = TangentPlane(kOrigin).EnuFromGeodetic(place.point) - 0.1 * i * flight.velocity_enu;
+    const Vector3d off = TangentPlane(kBoxOrigin).EnuFromGeodetic(place.point) - 0.1 * i * flight.velocity_enu;
     EXPECT_LT(off.head<2>().norm(), place.ce90_m) << i;
     EXPECT_LT((*place.velocity_enu - flight.velocity_enu).norm(), 4) << i;
   }
@@ -115,14 +115,14 @@ TEST(EstimateBoxPlaces, MovingObjectIsLocatedAtEachTime) {
 TEST(EstimateBoxPlaces, MovingObjectIsPlacedOnTheGround) {
   const BoxFlight flight{.velocity_enu = {-4, -4, 0}, .frames = 30};
   const auto observations = Fly(flight, nullptr, 0.05);
-  const ObjectGround ground = ObjectGround::AtPlace(
-      {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
+  const ObjectGround ground = ObjectGround::AtPlace({.point = TangentPlane(kBoxOrigin).GeodeticFromEnu({8, 3, -1.2}),
+                                                     .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
   const auto places = EstimateBoxPlaces(observations, BoxMotion::kMoving, ground, {});
   int inside = 0;
   for (int i = 0; i < flight.frames; ++i) {
     const auto& place = places[static_cast<std::size_t>(i)];
     ASSERT_TRUE(place);
-    const Vector3d off = TangentPlane(kOrigin).EnuFromGeodetic(place->point) - 0.1 * i * flight.velocity_enu;
+    const Vector3d off = TangentPlane(kBoxOrigin).EnuFromGeodetic(place->point) - 0.1 * i * flight.velocity_enu;
     inside += off.head<2>().norm() < place->ce90_m ? 1 : 0;
     EXPECT_LT(off.norm(), 4) << i;
     EXPECT_LT((*place->velocity_enu - flight.velocity_enu).norm(), 1) << i;
@@ -140,12 +140,12 @@ TEST(EstimateBoxPlaces, MovingObjectIsPlacedOnTheGround) {
 
 TEST(EstimateBoxPlaces, GroundIsAPriorOfStaticObject) {
   const auto observations = Fly({.seed = 3, .frames = 12}, nullptr, 0.1);
-  const ObjectGround ground = ObjectGround::AtPlace(
-      {.point = TangentPlane(kOrigin).GeodeticFromEnu({8, 3, -1.2}), .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
+  const ObjectGround ground = ObjectGround::AtPlace({.point = TangentPlane(kBoxOrigin).GeodeticFromEnu({8, 3, -1.2}),
+                                                     .covariance_enu_m2 = Eigen::Matrix3d::Identity()});
   const auto alone = EstimateBoxPlaces(observations, BoxMotion::kUnknown, {}, {}).back();
   const auto on_ground = EstimateBoxPlaces(observations, BoxMotion::kUnknown, ground, {}).back();
   ASSERT_TRUE(alone && on_ground);
-  EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(on_ground->point).head<2>().norm(), on_ground->ce90_m);
+  EXPECT_LT(TangentPlane(kBoxOrigin).EnuFromGeodetic(on_ground->point).head<2>().norm(), on_ground->ce90_m);
   EXPECT_LT(on_ground->ce90_m, 0.7 * alone->ce90_m);
 }
 
@@ -161,7 +161,7 @@ TEST(EstimateBoxPlaces, UnknownGroundHeightFallsBackToTypeLength) {
   for (const BoxMotion motion : {BoxMotion::kStatic, BoxMotion::kMoving}) {
     const auto place = EstimateBoxPlaces(observations, motion, ground, {}).back();
     ASSERT_TRUE(place);
-    EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 60);
+    EXPECT_LT(TangentPlane(kBoxOrigin).EnuFromGeodetic(place->point).norm(), 60);
   }
 }
 
@@ -171,12 +171,12 @@ TEST(EstimateBoxPlaces, GroundPointIsTheIntersectionOfItsLines) {
   std::vector<GroundPointObservation> ground_points;
   for (int i = 0; i < flight.frames; ++i) {
     states.push_back(CameraAt(flight, 0.1 * i));
-    const auto seen = PredictBox(kOrigin, {0, 0, 2, 2}, states.back(), states.back(), kImage);
+    const auto seen = PredictBox(kBoxOrigin, {0, 0, 2, 2}, states.back(), states.back(), kImage);
     ground_points.push_back({i, 0.1 * i, {seen->box.x + 1, seen->box.y + 1}});
   }
   const auto place = LocateGroundPoint(ground_points, CameraTrajectory(states, 1), kImage, {});
   ASSERT_TRUE(place);
-  EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(place->point).norm(), 0.5);
+  EXPECT_LT(TangentPlane(kBoxOrigin).EnuFromGeodetic(place->point).norm(), 0.5);
   EXPECT_FALSE(LocateGroundPoint(std::span(ground_points).first(1), CameraTrajectory(states, 1), kImage, {}))
       << "one line";
 }
@@ -194,9 +194,9 @@ TEST(EstimateBoxPlaces, StaticMotionSuppressesVelocity) {
 
 TEST(EstimateBoxPlaces, ConsistencyDependsOnDistanceAndCovariance) {
   const std::vector<BearingObservation> observations = Fly({}, nullptr, 0);
-  Geolocation place{.point = kOrigin, .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
+  Geolocation place{.point = kBoxOrigin, .covariance_enu_m2 = Eigen::Matrix3d::Identity()};
   EXPECT_TRUE(IsConsistentWithPlace(observations[20], place, {}));
-  place.point = TangentPlane(kOrigin).GeodeticFromEnu({30, 0, 0});
+  place.point = TangentPlane(kBoxOrigin).GeodeticFromEnu({30, 0, 0});
   EXPECT_FALSE(IsConsistentWithPlace(observations[20], place, {}));
   place.covariance_enu_m2 *= 400;
   EXPECT_TRUE(IsConsistentWithPlace(observations[20], place, {})) << "it may stand there, as far as is known";

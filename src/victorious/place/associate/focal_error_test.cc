@@ -21,7 +21,8 @@ struct FocalFlight {
 };
 
 // An object on the ground, seen for 4 s from a camera that flies straight north and looks 45 degrees down.
-ObservedTracklet Seen(std::int64_t id, const Vector3d& place, const FocalFlight& flight, double turns_rad_s = 0) {
+ObservedTracklet SeenWithFocalLength(std::int64_t id, const Vector3d& place, const FocalFlight& flight,
+                                     double turns_rad_s = 0) {
   Random random(static_cast<std::uint64_t>(id));
   const TangentPlane plane({RadiansFromDegrees(48), RadiansFromDegrees(11), 500});
   const Eigen::AngleAxisd body(0.7 * static_cast<double>(id), Vector3d(0.1, 0, 1).normalized());
@@ -55,8 +56,8 @@ ObservedTracklet Seen(std::int64_t id, const Vector3d& place, const FocalFlight&
 }
 
 std::vector<ObservedTracklet> SeenByAll(const FocalFlight& flight) {
-  return {Seen(1, {0, 0, 0}, flight), Seen(2, {10, -5, 0}, flight), Seen(3, {-12, 3, 0}, flight),
-          Seen(4, {5, 8, 0}, flight)};
+  return {SeenWithFocalLength(1, {0, 0, 0}, flight), SeenWithFocalLength(2, {10, -5, 0}, flight),
+          SeenWithFocalLength(3, {-12, 3, 0}, flight), SeenWithFocalLength(4, {5, 8, 0}, flight)};
 }
 
 TEST(FocalError, OfAStraightFlightFollowsFromViews) {
@@ -83,8 +84,9 @@ TEST(FocalError, IsNoneWhereTheViewsDoNotShowOne) {
   constexpr int kFlights = 20;
   for (std::int64_t id = 1; id <= kFlights; ++id) {
     const FocalFlight flight{.given_sigma = 0.02};
-    const auto error = EstimateFocalError(std::vector{Seen(id, {0, 0, 0}, flight), Seen(id + 20, {10, -5, 0}, flight),
-                                                      Seen(id + 40, {-12, 3, 0}, flight)});
+    const auto error = EstimateFocalError(std::vector{SeenWithFocalLength(id, {0, 0, 0}, flight),
+                                                      SeenWithFocalLength(id + 20, {10, -5, 0}, flight),
+                                                      SeenWithFocalLength(id + 40, {-12, 3, 0}, flight)});
     ASSERT_TRUE(error);
     unchanged += error->log_factor == 0 ? 1 : 0;
     EXPECT_GT(error->sigma_ratio, 0.9) << "they know no more than the telemetry";
@@ -103,7 +105,7 @@ TEST(FocalError, KnownBetterByTheMotionOfTheImageStaysSo) {
 TEST(FocalError, OneThatTurnsIsAnOutlier) {
   const FocalFlight flight{.log_factor = -0.2, .given_sigma = 0.2};
   std::vector<ObservedTracklet> tracklets = SeenByAll(flight);
-  tracklets[1] = Seen(2, {10, -5, 0}, flight, 0.1);
+  tracklets[1] = SeenWithFocalLength(2, {10, -5, 0}, flight, 0.1);
   const auto error = EstimateFocalError(tracklets);
   ASSERT_TRUE(error);
   EXPECT_NEAR(error->log_factor, -0.2, 0.1);
@@ -119,8 +121,8 @@ TEST(FocalError, NeedsThreeObjectsAndAnError) {
 }
 
 TEST(FocalError, CorrectsLinesOfSightAndRanges) {
-  std::vector<ObservedTracklet> tracklets = {Seen(1, {10, 0, 0}, {.log_factor = -0.2})};
-  const std::vector<ObservedTracklet> right = {Seen(1, {10, 0, 0}, {})};
+  std::vector<ObservedTracklet> tracklets = {SeenWithFocalLength(1, {10, 0, 0}, {.log_factor = -0.2})};
+  const std::vector<ObservedTracklet> right = {SeenWithFocalLength(1, {10, 0, 0}, {})};
   CorrectFocalLength({.log_factor = -0.2, .sigma_ratio = 0.5, .objects = 3}, tracklets);
   const LineOfSight& corrected = tracklets[0].observations[3].line;
   const LineOfSight& wanted = right[0].observations[3].line;

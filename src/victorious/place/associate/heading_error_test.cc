@@ -14,15 +14,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+const GeodeticPoint kHeadingOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 
 enum class Path { kCircle, kStraight };
 
 // Seen for 8 s from a camera that circles by 120 degrees, or flies straight, with a yaw that is off.
-ObservedTracklet Seen(std::int64_t id, const Vector3d& place, double error_deg, Path path = Path::kCircle,
-                      const Vector3d& velocity = Vector3d::Zero(), double range_factor = 1) {
+ObservedTracklet SeenWithHeading(std::int64_t id, const Vector3d& place, double error_deg, Path path = Path::kCircle,
+                                 const Vector3d& velocity = Vector3d::Zero(), double range_factor = 1) {
   Random random(static_cast<std::uint64_t>(id));
-  const TangentPlane plane(kOrigin);
+  const TangentPlane plane(kHeadingOrigin);
   ObservedTracklet tracklet{.record = {.id = id, .object = id, .video = 1, .model = id}};
   for (int frame = 0; frame < 80; ++frame) {
     const double time_s = 0.1 * frame;
@@ -51,8 +51,9 @@ ObservedTracklet Seen(std::int64_t id, const Vector3d& place, double error_deg, 
 
 TEST(HeadingError, IsThatOnWhichDifferentObjectsAgree) {
   for (const double given_deg : {-18.3, -5.0, 4.1, 5.0, 12.0}) {
-    std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, given_deg), Seen(2, {8, 5, 1}, given_deg),
-                                               Seen(3, {-16, 9, 2}, given_deg)};
+    std::vector<ObservedTracklet> tracklets = {SeenWithHeading(1, {0, 0, 1}, given_deg),
+                                               SeenWithHeading(2, {8, 5, 1}, given_deg),
+                                               SeenWithHeading(3, {-16, 9, 2}, given_deg)};
     const auto error = EstimateHeadingError(tracklets);
     ASSERT_TRUE(error) << given_deg;
     EXPECT_NEAR(DegreesFromRadians(error->error_rad), given_deg, 0.3);
@@ -62,7 +63,7 @@ TEST(HeadingError, IsThatOnWhichDifferentObjectsAgree) {
     EXPECT_FALSE(EstimateHeadingError(tracklets)) << "corrected";
     const std::vector<ObjectRecord> objects = AssociateTracklets(tracklets, {}, {});
     ASSERT_EQ(objects.size(), 3U);
-    const TangentPlane plane(kOrigin);
+    const TangentPlane plane(kHeadingOrigin);
     for (const ObjectRecord& object : objects) {
       ASSERT_TRUE(object.place);
       EXPECT_FALSE(object.place->IsMoving());
@@ -75,29 +76,29 @@ TEST(HeadingError, IsThatOnWhichDifferentObjectsAgree) {
 }
 
 TEST(HeadingError, OfExactYawAndOfAWrongFieldOfViewThereIsNone) {
-  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0), Seen(2, {8, 5, 1}, 0)}));
-  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2),
-                                                Seen(2, {8, 5, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2)}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{SeenWithHeading(1, {0, 0, 1}, 0), SeenWithHeading(2, {8, 5, 1}, 0)}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{SeenWithHeading(1, {0, 0, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2),
+                                                SeenWithHeading(2, {8, 5, 1}, 0, Path::kCircle, {0, 0, 0}, 1.2)}));
 }
 
 TEST(HeadingError, OneObjectIsNotEnough) {
-  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 5)}));
-  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0), Seen(2, {8, 5, 1}, 5)}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{SeenWithHeading(1, {0, 0, 1}, 5)}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{SeenWithHeading(1, {0, 0, 1}, 0), SeenWithHeading(2, {8, 5, 1}, 5)}));
 }
 
 TEST(HeadingError, DrivingObjectsAndStraightFlightsShowNone) {
-  EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0, Path::kCircle, {5, 0, 0}),
-                                                Seen(2, {8, 5, 1}, 0, Path::kCircle, {-6, 0, 0}),
-                                                Seen(3, {-6, 7, 1}, 0, Path::kCircle, {0, 7, 0})}));
-  EXPECT_FALSE(EstimateHeadingError(
-      std::vector{Seen(1, {0, 0, 1}, 5, Path::kStraight), Seen(2, {8, 5, 1}, 5, Path::kStraight)}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{SeenWithHeading(1, {0, 0, 1}, 0, Path::kCircle, {5, 0, 0}),
+                                                SeenWithHeading(2, {8, 5, 1}, 0, Path::kCircle, {-6, 0, 0}),
+                                                SeenWithHeading(3, {-6, 7, 1}, 0, Path::kCircle, {0, 7, 0})}));
+  EXPECT_FALSE(EstimateHeadingError(std::vector{SeenWithHeading(1, {0, 0, 1}, 5, Path::kStraight),
+                                                SeenWithHeading(2, {8, 5, 1}, 5, Path::kStraight)}));
 }
 
 // Two vehicles that drive across a straight flight: lines turned by some 8 degrees meet, too.
 TEST(HeadingError, ConvoyPastAStraightFlightShowsNone) {
   for (const Vector3d& velocity : {Vector3d(0, 1.5, 0), Vector3d(0, -1.5, 0), Vector3d(1, 2, 0)}) {
-    EXPECT_FALSE(EstimateHeadingError(std::vector{Seen(1, {0, 0, 1}, 0, Path::kStraight, velocity),
-                                                  Seen(2, {8, 5, 1}, 0, Path::kStraight, velocity)}))
+    EXPECT_FALSE(EstimateHeadingError(std::vector{SeenWithHeading(1, {0, 0, 1}, 0, Path::kStraight, velocity),
+                                                  SeenWithHeading(2, {8, 5, 1}, 0, Path::kStraight, velocity)}))
         << velocity.transpose();
   }
 }

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+const GeodeticPoint kLengthOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 
 struct SeenVehicle {
   std::int64_t model = 1;
@@ -28,9 +28,9 @@ struct SeenVehicle {
 };
 
 // Seen for 4 s from a camera that flies east at 10 m/s, 100 m above the origin.
-ObservedTracklet Seen(std::int64_t id, const SeenVehicle& seen) {
+ObservedTracklet SeenWithLength(std::int64_t id, const SeenVehicle& seen) {
   Random random(static_cast<std::uint64_t>(id));
-  const TangentPlane plane(kOrigin);
+  const TangentPlane plane(kLengthOrigin);
   ObservedTracklet tracklet{
       .record = {.id = id, .object = id, .video = 1, .model = seen.model}, .is_category = false, .is_cad_model = true};
   Vector3d camera(-20, -75, 100);
@@ -63,7 +63,7 @@ std::vector<LengthError> ErrorsOf(const std::vector<ObservedTracklet>& tracklets
 
 TEST(LengthError, IsThatOfAnObjectThatWouldMoveAcrossItsHeading) {
   for (const double given : {0.5, 2.0, 3.28}) {
-    std::vector<ObservedTracklet> tracklets = {Seen(1, {.length_factor = given, .heading_deg = 0})};
+    std::vector<ObservedTracklet> tracklets = {SeenWithLength(1, {.length_factor = given, .heading_deg = 0})};
     const std::vector<LengthError> errors = ErrorsOf(tracklets);
     ASSERT_EQ(errors.size(), 1U) << given;
     EXPECT_EQ(errors[0].model, 1);
@@ -77,39 +77,40 @@ TEST(LengthError, IsThatOfAnObjectThatWouldMoveAcrossItsHeading) {
     const std::vector<ObjectRecord> standing = AssociateTracklets(tracklets, {}, {});
     ASSERT_TRUE(standing[0].place) << given;
     EXPECT_FALSE(standing[0].place->IsMoving());
-    EXPECT_LT(TangentPlane(kOrigin).EnuFromGeodetic(standing[0].place->point).norm(), 3);
+    EXPECT_LT(TangentPlane(kLengthOrigin).EnuFromGeodetic(standing[0].place->point).norm(), 3);
   }
 }
 
 TEST(LengthError, IsThatOfAnObjectThatWouldTurnWithTheCamera) {
-  EXPECT_EQ(ErrorsOf({Seen(1, {.length_factor = 2, .heading_deg = 90, .turn_rad_s = 0.3})}).size(), 1U);
+  EXPECT_EQ(ErrorsOf({SeenWithLength(1, {.length_factor = 2, .heading_deg = 90, .turn_rad_s = 0.3})}).size(), 1U);
 }
 
 // Which of the two is true, nothing but its height tells.
 TEST(LengthError, OfAnObjectAlongTheFlightIsDecidedByItsHeight) {
-  const ObservedTracklet along = Seen(1, {.length_factor = 2, .heading_deg = 90});
+  const ObservedTracklet along = SeenWithLength(1, {.length_factor = 2, .heading_deg = 90});
   EXPECT_TRUE(ErrorsOf({along}).empty());
-  EXPECT_EQ(ErrorsOf({along, Seen(2, {.model = 2, .place = {9, 8, 2}, .heading_deg = 90})}).size(), 1U);
+  EXPECT_EQ(ErrorsOf({along, SeenWithLength(2, {.model = 2, .place = {9, 8, 2}, .heading_deg = 90})}).size(), 1U);
   ObjectOptions options;
-  options.ground = std::make_shared<FlatGround>(kOrigin.altitude_m);
+  options.ground = std::make_shared<FlatGround>(kLengthOrigin.altitude_m);
   EXPECT_EQ(ErrorsOf({along}, options).size(), 1U);
 }
 
 TEST(LengthError, DrivingObjectsHaveNone) {
   const SeenVehicle oncoming{.heading_deg = 270, .velocity = {-10, 0, 0}};
-  EXPECT_TRUE(ErrorsOf({Seen(1, oncoming)}).empty()) << "along the flight";
-  EXPECT_TRUE(ErrorsOf({Seen(1, {.heading_deg = 180, .velocity = {0, -10, 0}})}).empty()) << "across it";
+  EXPECT_TRUE(ErrorsOf({SeenWithLength(1, oncoming)}).empty()) << "along the flight";
+  EXPECT_TRUE(ErrorsOf({SeenWithLength(1, {.heading_deg = 180, .velocity = {0, -10, 0}})}).empty()) << "across it";
   SeenVehicle sideways = oncoming;  // as a helicopter may
   sideways.heading_deg = 0;
-  EXPECT_TRUE(ErrorsOf({Seen(1, sideways), Seen(2, {.model = 2, .place = {9, 8, 2}})}).empty());
+  EXPECT_TRUE(ErrorsOf({SeenWithLength(1, sideways), SeenWithLength(2, {.model = 2, .place = {9, 8, 2}})}).empty());
 }
 
 TEST(LengthError, ObjectsOfOneModelMustAgree) {
-  const ObservedTracklet wrong = Seen(1, {.length_factor = 2});
-  EXPECT_EQ(ErrorsOf({wrong, Seen(2, {.place = {20, 5, 1}, .length_factor = 2, .heading_deg = 30})})[0].objects, 2);
-  EXPECT_TRUE(ErrorsOf({wrong, Seen(2, {.place = {20, 5, 1}})}).empty());
-  EXPECT_TRUE(ErrorsOf({Seen(1, {.length_factor = 6})}).empty()) << "rather a false find";
-  EXPECT_TRUE(ErrorsOf({Seen(1, {.length_factor = 1.1})}).empty()) << "of sizes and cameras";
+  const ObservedTracklet wrong = SeenWithLength(1, {.length_factor = 2});
+  EXPECT_EQ(
+      ErrorsOf({wrong, SeenWithLength(2, {.place = {20, 5, 1}, .length_factor = 2, .heading_deg = 30})})[0].objects, 2);
+  EXPECT_TRUE(ErrorsOf({wrong, SeenWithLength(2, {.place = {20, 5, 1}})}).empty());
+  EXPECT_TRUE(ErrorsOf({SeenWithLength(1, {.length_factor = 6})}).empty()) << "rather a false find";
+  EXPECT_TRUE(ErrorsOf({SeenWithLength(1, {.length_factor = 1.1})}).empty()) << "of sizes and cameras";
 }
 
 TEST(LengthError, IsOneOfEachModel) {

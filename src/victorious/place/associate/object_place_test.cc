@@ -17,14 +17,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+const GeodeticPoint kPlaceOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 constexpr int kGroups = 12;    // number of recognitions
 constexpr int kFollowed = 10;  // frames from one recognition to the next
-constexpr int kFlights = 200;
+constexpr int kPlaceFlights = 200;
 constexpr double kSigma = 1e-3;  // of a recognised observation's angles, rad; relative, of its range
 
 // No errors except those that a test sets.
-ObjectOptions Exact() {
+ObjectOptions ExactPlace() {
   ObjectOptions options;
   options.locate.motion = MotionModel::kStatic;
   options.locate.line.position_m = 1e-6;
@@ -41,7 +41,7 @@ ObjectOptions Exact() {
 std::vector<BearingObservation> SimulateFlyby(std::uint64_t seed, double attitude_rad = 0) {
   Random random(seed);
   const auto error = [&](double sigma) { return Vector2d(sigma * random.Normal(), sigma * random.Normal()); };
-  const TangentPlane plane(kOrigin);
+  const TangentPlane plane(kPlaceOrigin);
   std::vector<BearingObservation> observations;
   for (int group = 0; group < kGroups; ++group) {
     const Vector2d shared = error(kSigma);
@@ -70,15 +70,15 @@ std::vector<BearingObservation> SimulateFlyby(std::uint64_t seed, double attitud
 template <typename Change>
 double Coverage(const Change& change) {
   int inside = 0;
-  for (int flight = 0; flight < kFlights; ++flight) {
+  for (int flight = 0; flight < kPlaceFlights; ++flight) {
     std::vector<BearingObservation> observations = SimulateFlyby(static_cast<std::uint64_t>(flight));
     change(observations);
-    const auto place = EstimatePlace(observations, Exact(), 1).place;
+    const auto place = EstimatePlace(observations, ExactPlace(), 1).place;
     if (!place) continue;
-    const Vector3d error = TangentPlane(kOrigin).EnuFromGeodetic(place->point);
+    const Vector3d error = TangentPlane(kPlaceOrigin).EnuFromGeodetic(place->point);
     inside += error.dot(place->covariance_enu_m2.inverse() * error) < testing::kChiSquared90Of3 ? 1 : 0;
   }
-  return static_cast<double>(inside) / kFlights;
+  return static_cast<double>(inside) / kPlaceFlights;
 }
 
 TEST(ObjectPlace, TrackedObservationsAreCorrelatedWithTheirRecognition) {
@@ -100,8 +100,8 @@ TEST(ObjectPlace, TrackedObservationsDoNotReduceCovariance) {
   const std::vector<BearingObservation> all = SimulateFlyby(1);
   std::vector<BearingObservation> recognised;
   for (std::size_t i = 0; i < all.size(); i += kFollowed) recognised.push_back(all[i]);
-  const auto with = EstimatePlace(all, Exact(), 1).place;
-  const auto without = EstimatePlace(recognised, Exact(), 1).place;
+  const auto with = EstimatePlace(all, ExactPlace(), 1).place;
+  const auto without = EstimatePlace(recognised, ExactPlace(), 1).place;
   ASSERT_TRUE(with && without);
   EXPECT_NEAR(with->ce90_m / without->ce90_m, 1, 0.1);
 }
@@ -112,8 +112,8 @@ TEST(ObjectPlace, TelemetryNoiseAveragesOutOverTrackedObservations) {
   for (BearingObservation& observation : all) observation.line.range_m.reset();
   std::vector<BearingObservation> recognised;
   for (std::size_t i = 0; i < all.size(); i += kFollowed) recognised.push_back(all[i]);
-  const auto with = EstimatePlace(all, Exact(), 0).place;
-  const auto without = EstimatePlace(recognised, Exact(), 0).place;
+  const auto with = EstimatePlace(all, ExactPlace(), 0).place;
+  const auto without = EstimatePlace(recognised, ExactPlace(), 0).place;
   ASSERT_TRUE(with && without);
   EXPECT_LT(with->ce90_m, 0.6 * without->ce90_m);
 }
@@ -134,13 +134,13 @@ TEST(ObjectPlace, DriftedObservationsHaveLessWeight) {
 TEST(ObjectPlace, ReversedHeadingsDoNotPlace) {
   std::vector<BearingObservation> observations = SimulateFlyby(3);
   for (BearingObservation& observation : observations) observation.heading_rad = 1;
-  const ObjectPlace right = EstimatePlace(observations, Exact(), 1);
+  const ObjectPlace right = EstimatePlace(observations, ExactPlace(), 1);
   for (BearingObservation& last : std::span(observations).last(8)) {
     last.heading_rad = 1 + kPi;
     last.line.azimuth_rad += 0.05;
     *last.line.range_m += 3;
   }
-  const ObjectPlace place = EstimatePlace(observations, Exact(), 1);
+  const ObjectPlace place = EstimatePlace(observations, ExactPlace(), 1);
   ASSERT_TRUE(place.place);
   EXPECT_LT(TangentPlane(right.place->point).EnuFromGeodetic(place.place->point).norm(), 0.5);
   EXPECT_NEAR(*place.heading_rad, 1, 1e-6);

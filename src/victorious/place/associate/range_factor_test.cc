@@ -14,13 +14,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-const GeodeticPoint kOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
+const GeodeticPoint kRangeOrigin{RadiansFromDegrees(48), RadiansFromDegrees(11), 500};
 
 // Seen for 4 s from a camera that circles by 60 degrees, or flies straight.
-ObservedTracklet Seen(std::int64_t id, const Vector3d& place, double range_factor, bool circling = true,
-                      const Vector3d& velocity = Vector3d::Zero()) {
+ObservedTracklet SeenAtRange(std::int64_t id, const Vector3d& place, double range_factor, bool circling = true,
+                             const Vector3d& velocity = Vector3d::Zero()) {
   Random random(static_cast<std::uint64_t>(id));
-  const TangentPlane plane(kOrigin);
+  const TangentPlane plane(kRangeOrigin);
   ObservedTracklet tracklet{.record = {.id = id, .object = id, .video = 1, .model = id}};
   for (int frame = 0; frame < 40; ++frame) {
     const double time_s = 0.1 * frame;
@@ -51,8 +51,8 @@ std::optional<RangeFactor> FactorOf(const std::vector<ObservedTracklet>& trackle
 
 TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
   for (const double given : {1 / 1.2, 1.2}) {
-    std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, given), Seen(2, {8, 5, 1}, given),
-                                               Seen(3, {-6, 7, 2}, given)};
+    std::vector<ObservedTracklet> tracklets = {SeenAtRange(1, {0, 0, 1}, given), SeenAtRange(2, {8, 5, 1}, given),
+                                               SeenAtRange(3, {-6, 7, 2}, given)};
     const auto factor = FactorOf(tracklets);
     ASSERT_TRUE(factor) << given;
     EXPECT_NEAR(factor->factor, 1 / given, 0.02);
@@ -66,18 +66,20 @@ TEST(RangeFactor, IsThatOnWhichDifferentObjectsAgree) {
   }
 }
 
-TEST(RangeFactor, ExactRangesHaveNone) { EXPECT_FALSE(FactorOf({Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1)})); }
+TEST(RangeFactor, ExactRangesHaveNone) {
+  EXPECT_FALSE(FactorOf({SeenAtRange(1, {0, 0, 1}, 1), SeenAtRange(2, {8, 5, 1}, 1)}));
+}
 
 TEST(RangeFactor, OneObjectOfAnotherSizeIsNoCommonError) {
-  EXPECT_FALSE(FactorOf({Seen(1, {0, 0, 1}, 1), Seen(2, {8, 5, 1}, 1.2)}));
-  EXPECT_FALSE(FactorOf({Seen(2, {8, 5, 1}, 1.2)}));
+  EXPECT_FALSE(FactorOf({SeenAtRange(1, {0, 0, 1}, 1), SeenAtRange(2, {8, 5, 1}, 1.2)}));
+  EXPECT_FALSE(FactorOf({SeenAtRange(2, {8, 5, 1}, 1.2)}));
 }
 
 // Each drives at a speed of its own, and so contradicts its size by another factor.
 TEST(RangeFactor, DrivingObjectsHaveNone) {
-  const std::vector<ObservedTracklet> tracklets = {Seen(1, {0, 0, 1}, 1, false, {5, 0, 0}),
-                                                   Seen(2, {8, 5, 1}, 1, false, {-6, 0, 0}),
-                                                   Seen(3, {-6, 7, 1}, 1, false, {7, 2, 0})};
+  const std::vector<ObservedTracklet> tracklets = {SeenAtRange(1, {0, 0, 1}, 1, false, {5, 0, 0}),
+                                                   SeenAtRange(2, {8, 5, 1}, 1, false, {-6, 0, 0}),
+                                                   SeenAtRange(3, {-6, 7, 1}, 1, false, {7, 2, 0})};
   EXPECT_FALSE(FactorOf(tracklets));
 }
 

@@ -14,7 +14,7 @@ namespace victorious {
 namespace {
 
 // A static camera from 0 to 2 s; the last row gives no field of view.
-constexpr std::string_view kRows =
+constexpr std::string_view kStateRows =
     "time_s,latitude_deg,longitude_deg,altitude_m,yaw_deg,pitch_deg,roll_deg,hfov_deg\n"
     "0,42,-71,100,0,-60,0,50\n1,42,-71,100,0,-60,0,50\n2,42,-71,100,0,-60,0,\n";
 
@@ -39,7 +39,7 @@ TEST_F(CameraStatesTest, WithoutTelemetryGivesNoStates) {
 }
 
 TEST_F(CameraStatesTest, FileGivesStatesWithinItsTimes) {
-  const CameraStates cameras = Load(kRows).value();
+  const CameraStates cameras = Load(kStateRows).value();
   EXPECT_TRUE(cameras.HasStates());
   EXPECT_TRUE(cameras.At(0.5));
   EXPECT_FALSE(cameras.At(9));
@@ -48,7 +48,7 @@ TEST_F(CameraStatesTest, FileGivesStatesWithinItsTimes) {
 }
 
 TEST_F(CameraStatesTest, FallbackFieldOfViewAppliesToFramesWithoutOne) {
-  CameraStates cameras = Load(kRows).value();
+  CameraStates cameras = Load(kStateRows).value();
   cameras.SetFallbackFieldOfView(0.3);
   EXPECT_NEAR(*cameras.At(0.5)->hfov_rad, RadiansFromDegrees(50), 1e-9);
   EXPECT_EQ(cameras.At(2)->hfov_rad, 0.3);
@@ -74,14 +74,14 @@ TEST_F(CameraStatesTest, AnErrorOfTheClockMovesAndTurnsTheCamera) {
     EXPECT_NEAR((error.moved_enu_m - Eigen::Vector3d(0, 5, 0)).norm(), 0, 0.05) << time_s;
     EXPECT_NEAR((error.turned_enu_rad - Eigen::Vector3d(0, 0, -0.05)).norm(), 0, 1e-4) << time_s;
   }
-  CameraStates hovering = Load(kRows).value();
+  CameraStates hovering = Load(kStateRows).value();
   hovering.SetClockSigma(0.5);
   EXPECT_FALSE(hovering.At(1)->clock_error);
 }
 
 // Looking 60 degrees below the horizon.
 TEST_F(CameraStatesTest, HeightIsAboveTheGivenGroundOrTheEstimate) {
-  CameraStates cameras = Load(kRows).value();
+  CameraStates cameras = Load(kStateRows).value();
   EXPECT_FALSE(cameras.HeightAboveGround(cameras.At(0.5), nullptr)) << "unknown";
   cameras.SetGroundHeight(GroundHeight{.height_m = 40, .sigma_m = 1});
   ByteWriter writer;
@@ -109,7 +109,7 @@ TEST_F(CameraStatesTest, HeightIsAboveTheGivenGroundOrTheEstimate) {
 
 // What a segment of a video is given.
 TEST_F(CameraStatesTest, PartHasTheSameStates) {
-  std::string rows(kRows.substr(0, kRows.find('\n') + 1));
+  std::string rows(kStateRows.substr(0, kStateRows.find('\n') + 1));
   for (int i = 0; i < 200; ++i) {
     if (i >= 80 && i < 120) continue;  // a gap of 20 s
     rows += fmt::format("{},{},-71,{},{},-60,0,{}\n", 0.5 * i, 42 + 1e-5 * i, 100 + i % 7, i % 30, i < 150 ? 50 : 40);

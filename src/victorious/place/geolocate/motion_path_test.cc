@@ -25,7 +25,8 @@ constexpr double kCentreHeight_m = 1.2;
 enum class CameraMotionKind { kStraight, kCircling, kHovering };
 enum class Drive { kParked, kStraight, kCorner, kFromRest, kStop };
 
-constexpr std::array kFlights = {CameraMotionKind::kStraight, CameraMotionKind::kCircling, CameraMotionKind::kHovering};
+constexpr std::array kPathFlights = {CameraMotionKind::kStraight, CameraMotionKind::kCircling,
+                                     CameraMotionKind::kHovering};
 constexpr std::array kDrives = {Drive::kStraight, Drive::kCorner, Drive::kFromRest, Drive::kStop};
 
 struct Case {
@@ -85,7 +86,7 @@ Vector2d VelocityAt(const Case& drawn, double time_s) {
   return (ObjectAt(drawn, time_s + kStep_s) - ObjectAt(drawn, time_s - kStep_s)).head<2>() / (2 * kStep_s);
 }
 
-LocateOptions Options() {
+LocateOptions PathOptions() {
   LocateOptions options;
   options.motion = MotionModel::kAuto;
   options.line.position_m = 0.1;
@@ -98,7 +99,7 @@ std::vector<LineOfSight> DrawLines(const Case& drawn) {
   constexpr double kRangeFraction = 0.015;
   Random random(drawn.seed + 100 * static_cast<std::uint64_t>(drawn.drive) +
                 1000 * static_cast<std::uint64_t>(drawn.flight));
-  const LocateOptions options = Options();
+  const LocateOptions options = PathOptions();
   const auto sigmas = CommonErrorSigmas(options.common);
   std::array<double, kNumCommonErrors> common{};
   for (int k = 0; k < kNumCommonErrors; ++k) {
@@ -139,7 +140,7 @@ std::string Name(const Case& drawn) {
 
 template <typename Visit>
 void VisitCases(std::uint64_t seeds, double flight_errors, const Visit& visit) {
-  for (const CameraMotionKind flight : kFlights) {
+  for (const CameraMotionKind flight : kPathFlights) {
     for (const Drive drive : kDrives) {
       for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
         visit(Case{.flight = flight, .drive = drive, .seed = seed, .flight_errors = flight_errors});
@@ -151,7 +152,7 @@ void VisitCases(std::uint64_t seeds, double flight_errors, const Visit& visit) {
 TEST(MotionPath, FollowsDrivingObjectsWithExactTelemetry) {
   int checked = 0;
   VisitCases(3, 0, [&](const Case& drawn) {
-    const auto path = EstimatePath(DrawLines(drawn), Options());
+    const auto path = EstimatePath(DrawLines(drawn), PathOptions());
     ASSERT_TRUE(path) << Name(drawn);
     ASSERT_TRUE(path->is_moving) << Name(drawn);
     ASSERT_EQ(path->places.size(), static_cast<std::size_t>(kCount));
@@ -169,7 +170,7 @@ TEST(MotionPath, FollowsDrivingObjectsWithExactTelemetry) {
 
 // Its pose, and so its centre, changes with the view although the camera's places are exact.
 TEST(MotionPath, AVehicleHasNoiseOfItsOwn) {
-  LocateOptions exact = Options();
+  LocateOptions exact = PathOptions();
   exact.line.position_m = 0.01;
   for (const Drive drive : kDrives) {
     const Case drawn{.drive = drive, .flight_errors = 0};
@@ -187,15 +188,15 @@ TEST(MotionPath, ErrorsAreWithinTheirSigmas) {
   int inside = 0;
   int near_speed = 0;
   VisitCases(6, 1, [&](const Case& drawn) {
-    const auto path = EstimatePath(DrawLines(drawn), Options());
+    const auto path = EstimatePath(DrawLines(drawn), PathOptions());
     ASSERT_TRUE(path && path->is_moving) << Name(drawn);
     const Geolocation& last = path->places.back();
     ++cases;
     inside += ErrorOf(last, drawn).head<2>().norm() <= last.ce90_m ? 1 : 0;
     const Vector2d off = last.velocity_enu->head<2>() - VelocityAt(drawn, kDuration_s - 0.01);
-    constexpr double kChiSquared90Of2 = 4.6051702;
+    constexpr double kQuantile90 = 4.6051702;  // of chi-squared, two degrees of freedom
     const Eigen::Matrix2d covariance = last.velocity_covariance_enu->topLeftCorner<2, 2>();
-    near_speed += off.dot(covariance.inverse() * off) <= kChiSquared90Of2 ? 1 : 0;
+    near_speed += off.dot(covariance.inverse() * off) <= kQuantile90 ? 1 : 0;
   });
   const double all = cases;
   RecordProperty("ce90", std::to_string(inside / all));
@@ -206,10 +207,10 @@ TEST(MotionPath, ErrorsAreWithinTheirSigmas) {
 }
 
 TEST(MotionPath, ParkedObjectDoesNotMove) {
-  for (const CameraMotionKind flight : kFlights) {
+  for (const CameraMotionKind flight : kPathFlights) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const Case drawn{.flight = flight, .drive = Drive::kParked, .seed = seed};
-      const auto path = EstimatePath(DrawLines(drawn), Options());
+      const auto path = EstimatePath(DrawLines(drawn), PathOptions());
       ASSERT_TRUE(path);
       EXPECT_FALSE(path->is_moving) << Name(drawn);
       EXPECT_TRUE(path->places.empty());
@@ -219,10 +220,10 @@ TEST(MotionPath, ParkedObjectDoesNotMove) {
 
 // Ranges that drift by three per cent over the flight, as those of a wrongly matched side do, are no motion.
 TEST(MotionPath, DriftOfRangesIsNoMotion) {
-  for (const CameraMotionKind flight : kFlights) {
+  for (const CameraMotionKind flight : kPathFlights) {
     std::vector<LineOfSight> lines = DrawLines({.flight = flight, .drive = Drive::kParked, .flight_errors = 0});
     for (LineOfSight& line : lines) *line.range_m *= 1 + 0.03 * (line.time_s / kDuration_s - 0.5);
-    const auto path = EstimatePath(lines, Options());
+    const auto path = EstimatePath(lines, PathOptions());
     ASSERT_TRUE(path);
     EXPECT_FALSE(path->is_moving) << static_cast<int>(flight);
   }
@@ -244,11 +245,11 @@ TEST(MotionPath, RangesDecideWhereLinesAreAmbiguous) {
                      .sigma_rad = 2e-4,
                      .sigma_range_m = 2});
   }
-  const auto driving = EstimatePath(lines, Options());
+  const auto driving = EstimatePath(lines, PathOptions());
   ASSERT_TRUE(driving && driving->is_moving);
   EXPECT_NEAR(driving->places.back().velocity_enu->head<2>().norm(), 5, 0.1);
   for (LineOfSight& line : lines) *line.range_m *= 2;  // the place where the lines meet
-  const auto parked = EstimatePath(lines, Options());
+  const auto parked = EstimatePath(lines, PathOptions());
   ASSERT_TRUE(parked);
   EXPECT_FALSE(parked->is_moving);
 }
@@ -259,12 +260,12 @@ TEST(MotionPath, CrossesAGapAndIgnoresOutliers) {
                     .flight_errors = 0,
                     .gap_from_s = 3,
                     .gap_to_s = 5};
-  const auto through = EstimatePath(DrawLines(hidden), Options());
+  const auto through = EstimatePath(DrawLines(hidden), PathOptions());
   ASSERT_TRUE(through && through->is_moving);
   for (const Geolocation& place : through->places) EXPECT_LT(ErrorOf(place, hidden).head<2>().norm(), 1.5);
   const Case wrong{.flight = CameraMotionKind::kStraight, .drive = Drive::kCorner, .flight_errors = 0, .outliers = 8};
   const std::vector<LineOfSight> lines = DrawLines(wrong);
-  const auto robust = EstimatePath(lines, Options());
+  const auto robust = EstimatePath(lines, PathOptions());
   ASSERT_TRUE(robust && robust->is_moving);
   EXPECT_LT(ErrorOf(robust->places.back(), wrong).head<2>().norm(), 1.5);
   for (std::size_t i = 0; i < lines.size(); ++i) EXPECT_EQ(robust->inliers[i], i % 8 != 1) << i;
@@ -272,7 +273,7 @@ TEST(MotionPath, CrossesAGapAndIgnoresOutliers) {
 
 TEST(MotionPath, KnownGroundFixesTheDistance) {
   const Case drawn{.drive = Drive::kStraight, .range_factor = 1.03, .flight_errors = 0};
-  LocateOptions options = Options();
+  LocateOptions options = PathOptions();
   options.common.height_m = 0.1;
   const double free_m = ErrorOf(EstimatePath(DrawLines(drawn), options)->places.back(), drawn).norm();
   options.ground = std::make_shared<const FlatGround>(kOrigin.altitude_m + kCentreHeight_m);
@@ -287,10 +288,10 @@ TEST(MotionPath, KnownGroundFixesTheDistance) {
 TEST(MotionPath, NeedsThreeLinesWithRanges) {
   std::vector<LineOfSight> lines = DrawLines({});
   lines.resize(2);
-  EXPECT_FALSE(EstimatePath(lines, Options()));
+  EXPECT_FALSE(EstimatePath(lines, PathOptions()));
   lines = DrawLines({});
   lines[4].range_m.reset();
-  EXPECT_FALSE(EstimatePath(lines, Options()));
+  EXPECT_FALSE(EstimatePath(lines, PathOptions()));
 }
 
 }  // namespace

@@ -13,22 +13,22 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFocalPx = 2300;
+constexpr double kNarrowFocalPx = 2300;
 constexpr double kRangeM = 120;
 
 Rigid3 Truth() { return {RotationFromVector(Vector3d(0.9, -0.4, 0.3)), Vector3d(6, -4, kRangeM)}; }
 
 // A pose from some points, each with a noise of one pixel along each axis.
 ObjectPose RandomObjectPose(Random& random, int count) {
-  ObjectPose object_pose{.focal_px = kFocalPx};
+  ObjectPose object_pose{.focal_px = kNarrowFocalPx};
   for (int i = 0; i < count; ++i) {
     const Vector3d point(random.Uniform(-3, 3), random.Uniform(-1.5, 1.5), random.Uniform(-1, 1));
     const Vector3d p = Truth().Apply(point);
     const Eigen::Vector2d noise(random.Normal(), random.Normal());
-    object_pose.points.push_back({point, p.head<2>() / p.z() + noise / kFocalPx});
+    object_pose.points.push_back({point, p.head<2>() / p.z() + noise / kNarrowFocalPx});
   }
   const auto pose = FitObjectPose(object_pose.points, Truth().rotation,
-                                  {.sigma = 1 / kFocalPx, .sigma_view_rad = RadiansFromDegrees(6)});
+                                  {.sigma = 1 / kNarrowFocalPx, .sigma_view_rad = RadiansFromDegrees(6)});
   object_pose.camera_from_object = pose->camera_from_object;
   object_pose.range_m = pose->camera_from_object.translation.norm();
   object_pose.direction = pose->camera_from_object.translation / *object_pose.range_m;
@@ -72,7 +72,7 @@ TEST(LandmarkSighting, SigmasHaveLowerBounds) {
   const Matrix6 covariance = sighting->information.inverse();
   for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), min_turn * min_turn);
   EXPECT_GE(std::sqrt(covariance(5, 5)), 0.0099 * kRangeM);
-  EXPECT_NEAR(std::sqrt(covariance(3, 3)), std::hypot(0.3 / kFocalPx * kRangeM, 0.01 * 6), 0.05);
+  EXPECT_NEAR(std::sqrt(covariance(3, 3)), std::hypot(0.3 / kNarrowFocalPx * kRangeM, 0.01 * 6), 0.05);
 }
 
 // Few points at one end of the object, and a rotation error: the errors are consistent with the covariance.

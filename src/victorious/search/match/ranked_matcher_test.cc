@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-FeatureSet RandomFeatures(Random& random, std::size_t count) {
+FeatureSet RandomRankedFeatures(Random& random, std::size_t count) {
   FeatureSet features;
   features.keypoints.resize(count);
   features.descriptors.resize(count * kDescriptorSize);
@@ -20,8 +20,8 @@ FeatureSet RandomFeatures(Random& random, std::size_t count) {
 
 TEST(RankedMatcher, RanksTheNearestFirstWithoutRatioTest) {
   Random random(3);
-  FeatureSet scene = RandomFeatures(random, 60);
-  const FeatureSet model = RandomFeatures(random, 2);
+  FeatureSet scene = RandomRankedFeatures(random, 60);
+  const FeatureSet model = RandomRankedFeatures(random, 2);
   // Two scene keypoints are nearly equally near to the template's second keypoint: a ratio test rejects both.
   for (const std::size_t i : {std::size_t{20}, std::size_t{40}}) {
     for (std::size_t byte = 0; byte < kDescriptorSize; ++byte) {
@@ -41,18 +41,18 @@ TEST(RankedMatcher, RanksTheNearestFirstWithoutRatioTest) {
 
 TEST(RankedMatcher, TooFewSceneKeypointsGiveNoMatches) {
   Random random(4);
-  const FeatureSet scene = RandomFeatures(random, 4);
-  const FeatureSet model = RandomFeatures(random, 5);
+  const FeatureSet scene = RandomRankedFeatures(random, 4);
+  const FeatureSet model = RandomRankedFeatures(random, 5);
   EXPECT_TRUE(RankedMatcher(scene.View()).Match(kernels::PackQueries(model.descriptors), 4).empty());
   EXPECT_TRUE(RankedMatcher(FeatureSet().View()).Match(kernels::PackQueries(model.descriptors), 1).empty());
 }
 
 TEST(RankedMatcher, MatchesAllTemplatesAsEachAlone) {
   Random random(5);
-  const FeatureSet scene = RandomFeatures(random, 100);
+  const FeatureSet scene = RandomRankedFeatures(random, 100);
   std::vector<kernels::PackedQueries> templates;
   for (const std::size_t count : {7, 0, 20}) {
-    templates.push_back(kernels::PackQueries(RandomFeatures(random, count).descriptors));
+    templates.push_back(kernels::PackQueries(RandomRankedFeatures(random, count).descriptors));
   }
   const RankedMatcher matcher(scene.View());
   std::vector<std::vector<RankedMatch>> expected;

@@ -18,7 +18,7 @@ namespace {
 float RandomAngle(Random& random) { return static_cast<float>(2 * kPi * random.Uniform() - kPi); }
 
 // The descriptors lie on few levels, so that many scene keypoints are nearly equally near, and none too far.
-FeatureSet RandomFeatures(Random& random, std::size_t count) {
+FeatureSet RandomUprightFeatures(Random& random, std::size_t count) {
   FeatureSet features;
   for (std::size_t i = 0; i < count; ++i) features.keypoints.push_back({1, 1, 2, RandomAngle(random)});
   features.descriptors.resize(count * kDescriptorSize);
@@ -45,7 +45,7 @@ bool IsAllowed(const Keypoint& scene, float lean_rad, const Keypoint& model, dou
 TEST(UprightMatcher, FindsAllAllowedCopiesAndNoOthers) {
   Random random(1);
   for (const std::size_t count : {1, 15, 16, 17, 33, 200}) {
-    const FeatureSet scene = RandomFeatures(random, count);
+    const FeatureSet scene = RandomUprightFeatures(random, count);
     std::vector<float> lean_rad;
     for (std::size_t i = 0; i < count; ++i) lean_rad.push_back(0.3F * RandomAngle(random));
     FeatureSet copies = scene;
@@ -76,9 +76,9 @@ TEST(UprightMatcher, FindsAllAllowedCopiesAndNoOthers) {
 
 TEST(UprightMatcher, RanksByWholeDescriptors) {
   Random random(2);
-  FeatureSet scene = RandomFeatures(random, 100);
+  FeatureSet scene = RandomUprightFeatures(random, 100);
   for (Keypoint& keypoint : scene.keypoints) keypoint.orientation_rad = 0.1F;
-  FeatureSet model = RandomFeatures(random, 1);
+  FeatureSet model = RandomUprightFeatures(random, 1);
   model.keypoints[0].orientation_rad = 0;
   // Two copies, one of them changed a little.
   for (const std::size_t i : {std::size_t{20}, std::size_t{40}}) {
@@ -117,8 +117,8 @@ TEST(UprightMatcher, DropsDissimilarDescriptors) {
 // A list is limited; in a large scene the nearest are kept, whatever their orientation.
 TEST(UprightMatcher, LargeScenesHaveMatchesOfEveryOrientation) {
   Random random(4);
-  const FeatureSet scene = RandomFeatures(random, 40'000);
-  FeatureSet model = RandomFeatures(random, 64);
+  const FeatureSet scene = RandomUprightFeatures(random, 40'000);
+  FeatureSet model = RandomUprightFeatures(random, 64);
   for (std::size_t i = 0; i < model.size(); ++i) {
     model.keypoints[i].orientation_rad = static_cast<float>(kPi * (static_cast<double>(i) + 0.5) / 32 - kPi);
   }
@@ -173,7 +173,7 @@ TEST(UprightMatcher, ListsHoldNearlyAllTrueMatches) {
 
 TEST(UprightMatcher, AnEmptySceneGivesNoMatches) {
   Random random(3);
-  const FeatureSet model = RandomFeatures(random, 5);
+  const FeatureSet model = RandomUprightFeatures(random, 5);
   const ShortenedFeatures shortened(model.View());
   const UprightTemplate view = shortened.View();
   const std::vector<std::vector<RankedMatch>> matches = UprightMatcher({}, {}).Match({&view, 1}, 1, 2);

@@ -7,30 +7,21 @@
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/similarity.h"
+#include "victorious/search/pose/random_keypoint_test.h"
 
 namespace victorious {
 namespace {
 
-constexpr int kWidth = 640;
-constexpr int kHeight = 480;
-const Polygon kOutline = BoxCorners({0, 0, 200, 100});
-
-Keypoint RandomKeypoint(Random& random, double width, double height) {
-  return {static_cast<float>(random.Uniform() * width), static_cast<float>(random.Uniform() * height),
-          static_cast<float>(1.5 * std::exp2(3 * random.Uniform())),
-          static_cast<float>(2 * kPi * random.Uniform() - kPi)};
-}
-
-struct World {
+struct ProposalWorld {
   FeatureSet scene;
   std::vector<Keypoint> model;
   std::vector<RankedMatch> matches;
 };
 
 // A template of 100 keypoints with two matches each; `found` of them are in the scene at `pose`.
-World MakeWorld(std::uint64_t seed, std::uint32_t found, const Similarity2& pose) {
+ProposalWorld MakeProposalWorld(std::uint64_t seed, std::uint32_t found, const Similarity2& pose) {
   Random random(seed);
-  World world;
+  ProposalWorld world;
   world.scene.image_width = kWidth;
   world.scene.image_height = kHeight;
   for (int i = 0; i < 3000; ++i) world.scene.keypoints.push_back(RandomKeypoint(random, kWidth, kHeight));
@@ -53,14 +44,14 @@ World MakeWorld(std::uint64_t seed, std::uint32_t found, const Similarity2& pose
   return world;
 }
 
-std::optional<PoseProposal> Propose(const World& world) {
+std::optional<PoseProposal> Propose(const ProposalWorld& world) {
   return ProposePose(world.scene, KeypointDensity(world.scene), world.model, world.matches, kOutline, kPi);
 }
 
 TEST(ProposePose, FindsThePose) {
   for (const double rotation_rad : {1.1, 3.1, -3.1}) {  // also across pi
     const Similarity2 truth{0.9, rotation_rad, {350, 250}};
-    const std::optional<PoseProposal> found = Propose(MakeWorld(1, 12, truth));
+    const std::optional<PoseProposal> found = Propose(MakeProposalWorld(1, 12, truth));
     ASSERT_TRUE(found);
     EXPECT_LT((found->centre_px - truth.Apply({100, 50})).norm(), 5);
     EXPECT_NEAR(found->size_px, 0.9 * std::sqrt(200 * 100), 5);
@@ -70,7 +61,7 @@ TEST(ProposePose, FindsThePose) {
 
 TEST(ProposePose, ChanceIsNotSignificant) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const std::optional<PoseProposal> found = Propose(MakeWorld(seed, 0, {}));
+    const std::optional<PoseProposal> found = Propose(MakeProposalWorld(seed, 0, {}));
     if (found) {
       EXPECT_LT(found->neg_log10_nfa, 3) << seed;
     }
@@ -81,7 +72,8 @@ TEST(ProposePose, MoreInliersAreMoreSignificant) {
   const Similarity2 truth{1.1, -0.4, {200, 200}};
   const auto mean = [&](std::uint32_t found) {
     double sum = 0;
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) sum += Propose(MakeWorld(seed, found, truth))->neg_log10_nfa;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed)
+      sum += Propose(MakeProposalWorld(seed, found, truth))->neg_log10_nfa;
     return sum / 5;
   };
   EXPECT_GT(mean(24), mean(10) + 5);
@@ -89,7 +81,7 @@ TEST(ProposePose, MoreInliersAreMoreSignificant) {
 
 // A match of each template keypoint with the same scene keypoint is one inlier.
 TEST(ProposePose, CountsEachSceneKeypointOnce) {
-  World world = MakeWorld(3, 12, {0.9, 1.1, {350, 200}});
+  ProposalWorld world = MakeProposalWorld(3, 12, {0.9, 1.1, {350, 200}});
   for (std::uint32_t m = 1; m < 12; ++m) world.model[m] = world.model[0];
   for (RankedMatch& match : world.matches) {
     if (match.scene_keypoint < 12) match.scene_keypoint = 0;
@@ -102,7 +94,7 @@ TEST(ProposePose, CountsEachSceneKeypointOnce) {
 
 // Repeated with the proposal's own ranks, the test gives its -log10 NFA; with higher ranks, or fewer inliers, less.
 TEST(ProposePose, IsTestedAgainByOtherRanks) {
-  const World world = MakeWorld(5, 12, {0.9, 1.1, {350, 250}});
+  const ProposalWorld world = MakeProposalWorld(5, 12, {0.9, 1.1, {350, 250}});
   const std::optional<PoseProposal> found = Propose(world);
   ASSERT_TRUE(found);
   EXPECT_DOUBLE_EQ(NegLog10NfaOfRanks(*found, world.scene, found->inliers, kPi), found->neg_log10_nfa);
@@ -116,11 +108,11 @@ TEST(ProposePose, IsTestedAgainByOtherRanks) {
 }
 
 TEST(ProposePose, NoOutlineAndNoMatchesGiveNoPose) {
-  World world = MakeWorld(4, 12, {});
+  ProposalWorld world = MakeProposalWorld(4, 12, {});
   EXPECT_FALSE(ProposePose(world.scene, KeypointDensity(world.scene), world.model, world.matches, {}, kPi));
   world.matches.clear();
   EXPECT_FALSE(Propose(world));
-  EXPECT_FALSE(Propose(World{}));
+  EXPECT_FALSE(Propose(ProposalWorld{}));
 }
 
 TEST(KeypointDensity, IsRelativeToTheMean) {

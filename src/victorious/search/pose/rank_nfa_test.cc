@@ -7,12 +7,11 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/search/pose/random_keypoint_test.h"
 
 namespace victorious {
 namespace {
 
-constexpr int kWidth = 640;
-constexpr int kHeight = 480;
 constexpr double kSizePx = 140;
 constexpr PoseWindow kWindow = {.radius_px = 6, .widest_px = 12};
 const Similarity2 kPose{1.5, 0.4, {320, 100}};
@@ -41,7 +40,7 @@ struct RankedWorld {
   }
 };
 
-RankedWorld MakeWorld(std::uint64_t seed) {
+RankedWorld MakeRankedWorld(std::uint64_t seed) {
   Random random(seed);
   RankedWorld world;
   world.scene.image_width = kWidth;
@@ -96,7 +95,7 @@ std::vector<double> ChancesOf(const RankedWorld& world, std::size_t first_inlier
 
 TEST(ComputeRankNegLog10Nfa, MatchesEnumeration) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const RankedWorld world = MakeWorld(seed);
+    const RankedWorld world = MakeRankedWorld(seed);
     for (const std::size_t found : {0U, 1U, 5U, 12U, 30U}) {
       const std::vector<double> chances = ChancesOf(world, found);
       double least = 1;
@@ -112,7 +111,7 @@ TEST(ComputeRankNegLog10Nfa, MatchesEnumeration) {
 
 TEST(ComputeRankNegLog10Nfa, IsBoundedByTheBinomialTail) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const RankedWorld world = MakeWorld(seed);
+    const RankedWorld world = MakeRankedWorld(seed);
     for (const std::size_t found : {1U, 5U, 12U, 30U}) {
       const std::vector<double> chances = ChancesOf(world, found);
       double rarest = 1;  // minimum over k of the probability that k or more of 30 have a chance of at most p_k
@@ -129,7 +128,7 @@ TEST(ComputeRankNegLog10Nfa, IsBoundedByTheBinomialTail) {
 }
 
 TEST(ComputeRankNegLog10Nfa, GrowsWithInliersAndFallsWithRanks) {
-  RankedWorld world = MakeWorld(6);
+  RankedWorld world = MakeRankedWorld(6);
   double before = world.NegLog10Nfa(0);
   for (std::size_t found = 1; found <= 30; ++found) {
     const double now = world.NegLog10Nfa(found);
@@ -146,7 +145,7 @@ TEST(ComputeRankNegLog10Nfa, GrowsWithInliersAndFallsWithRanks) {
 }
 
 TEST(ComputeRankNegLog10Nfa, VisibleMissesLowerTheSignificance) {
-  RankedWorld world = MakeWorld(7);
+  RankedWorld world = MakeRankedWorld(7);
   const double before = world.NegLog10Nfa(10);
   const std::size_t found = world.inliers.size();
   for (int i = 0; i < 20; ++i) world.model.push_back({static_cast<float>(4 + 8 * i), 60, 3, 0});
@@ -156,7 +155,7 @@ TEST(ComputeRankNegLog10Nfa, VisibleMissesLowerTheSignificance) {
 
 // An inlier whose projection is not visible still counts in n.
 TEST(ComputeRankNegLog10Nfa, InvisibleInliersCountAsTrials) {
-  RankedWorld unseen = MakeWorld(8);
+  RankedWorld unseen = MakeRankedWorld(8);
   // Ten keypoints have a scale of 0.75 px in the scene, below the minimum.
   for (std::size_t i = 0; i < 30; ++i) {
     unseen.model[i].scale_px = i < 10 ? 0.5F : 4.0F;
@@ -189,7 +188,7 @@ void SetDescriptors(double distance, RankedWorld& world) {
 // The joints of a pavement look alike, 120 apart: whatever their number, they are one inlier. True matches are of
 // different parts of an object.
 TEST(ComputeRankNegLog10Nfa, ARepeatedTextureIsOneInlier) {
-  RankedWorld world = MakeWorld(10);
+  RankedWorld world = MakeRankedWorld(10);
   SetDescriptors(120, world);
   EXPECT_LT(world.NegLog10Nfa(30), world.NegLog10Nfa(1) + 1);
   SetDescriptors(200, world);
@@ -197,7 +196,7 @@ TEST(ComputeRankNegLog10Nfa, ARepeatedTextureIsOneInlier) {
 }
 
 TEST(ComputeRankNegLog10Nfa, RotationWindowIsLimitedToTheCircle) {
-  RankedWorld world = MakeWorld(9);
+  RankedWorld world = MakeRankedWorld(9);
   world.options.turn_rad = kPi;
   const double all_turns = world.NegLog10Nfa(10);
   world.options.turn_rad = 3.2;  // more than half a turn

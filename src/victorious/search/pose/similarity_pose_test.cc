@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-const Polygon kOutline = BoxCorners({0, 0, 200, 150});
+const Polygon kPlanarOutline = BoxCorners({0, 0, 200, 150});
 
 struct PlanarWorld {
   std::vector<Keypoint> scene;
@@ -23,7 +23,7 @@ struct PlanarWorld {
     scene.push_back({static_cast<float>(scene_place.x()), static_cast<float>(scene_place.y()), 2, 0});
   }
   [[nodiscard]] std::vector<PlanarFit> Poses(const PoseOptions& options = {}) const {
-    return EstimatePoses(scene, model, matches, kOutline, 640.0 * 480.0, options);
+    return EstimatePoses(scene, model, matches, kPlanarOutline, 640.0 * 480.0, options);
   }
 };
 
@@ -40,7 +40,7 @@ PlanarWorld Planar(const Eigen::Matrix3d& map, int count, double noise_px, std::
 double OutlineAgreement(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   Polygon pa;
   Polygon pb;
-  for (const Eigen::Vector2d& corner : kOutline) {
+  for (const Eigen::Vector2d& corner : kPlanarOutline) {
     pa.push_back(ApplyHomography(a, corner));
     pb.push_back(ApplyHomography(b, corner));
   }

@@ -6,19 +6,10 @@
 
 #include "victorious/base/random.h"
 #include "victorious/geometry/angles.h"
+#include "victorious/search/pose/random_keypoint_test.h"
 
 namespace victorious {
 namespace {
-
-constexpr int kWidth = 640;
-constexpr int kHeight = 480;
-const Polygon kOutline = BoxCorners({0, 0, 200, 100});
-
-Keypoint RandomKeypoint(Random& random, double width, double height) {
-  return {static_cast<float>(random.Uniform() * width), static_cast<float>(random.Uniform() * height),
-          static_cast<float>(1.5 * std::exp2(3 * random.Uniform())),
-          static_cast<float>(2 * kPi * random.Uniform() - kPi)};
-}
 
 Keypoint Moved(const Keypoint& keypoint, const Similarity2& fit, Random& random) {
   const Eigen::Vector2d place = fit.Apply({keypoint.x, keypoint.y});
@@ -36,7 +27,7 @@ struct VotedWorld {
   std::vector<RankedMatch> matches;
 };
 
-VotedWorld MakeWorld(std::uint64_t seed, int found, const Similarity2& fit) {
+VotedWorld MakeVotedWorld(std::uint64_t seed, int found, const Similarity2& fit) {
   Random random(seed);
   VotedWorld world;
   world.scene.image_width = kWidth;
@@ -63,7 +54,7 @@ std::vector<PlanarFit> Find(const VotedWorld& world) {
 
 TEST(VotePoses, FindsPoseWithThreePercentInliers) {
   const Similarity2 truth{0.9, 1.1, {350, 200}};
-  const VotedWorld world = MakeWorld(1, 12, truth);
+  const VotedWorld world = MakeVotedWorld(1, 12, truth);
   const std::vector<PlanarFit> fits = Find(world);
   ASSERT_FALSE(fits.empty());
   const PlanarFit& fit = fits.front();
@@ -76,7 +67,7 @@ TEST(VotePoses, FindsPoseWithThreePercentInliers) {
 
 // Repeated texture, for example the joints of a pavement: false matches come together.
 TEST(VotePoses, IdenticalDescriptorsAreNotSignificant) {
-  VotedWorld world = MakeWorld(1, 12, {0.9, 1.1, {350, 200}});
+  VotedWorld world = MakeVotedWorld(1, 12, {0.9, 1.1, {350, 200}});
   const double neg_log10_nfa = *Find(world).front().neg_log10_nfa;
   EXPECT_GT(neg_log10_nfa, 4);
   for (std::size_t i = 0; i < 12 * kDescriptorSize; ++i) {
@@ -90,7 +81,7 @@ TEST(VotePoses, RandomMatchesAreNotSignificant) {
   const PoseOptions few_inliers{.min_inliers = 2};
   std::size_t fits = 0;
   for (std::uint64_t seed = 10; seed < 30; ++seed) {
-    const VotedWorld world = MakeWorld(seed, 0, {});
+    const VotedWorld world = MakeVotedWorld(seed, 0, {});
     EXPECT_TRUE(Find(world).empty()) << seed;
     for (const PlanarFit& fit : VotePoses(world.scene, world.model, world.matches, kOutline, few_votes, few_inliers)) {
       EXPECT_LT(*fit.neg_log10_nfa, 0) << seed;
@@ -103,7 +94,7 @@ TEST(VotePoses, RandomMatchesAreNotSignificant) {
 // Many votes of few template keypoints give no pose.
 TEST(VotePoses, VotesOfOneKeypointCountOnce) {
   const Similarity2 elsewhere{1.0, -2, {200, 300}};
-  VotedWorld world = MakeWorld(6, 0, {});
+  VotedWorld world = MakeVotedWorld(6, 0, {});
   Random random(7);
   for (std::size_t m = 50; m < 53; ++m) {
     for (std::size_t rank = 0; rank < 4; ++rank) {
@@ -125,7 +116,7 @@ TEST(VotePoses, VotesOfOneKeypointCountOnce) {
 
 TEST(VotePoses, CoincidentInliersCountOnce) {
   const Similarity2 truth{1.0, 0, {200, 200}};
-  VotedWorld world = MakeWorld(2, 12, truth);
+  VotedWorld world = MakeVotedWorld(2, 12, truth);
   const double before = *Find(world).front().neg_log10_nfa;
   // All twelve move to within two pixels of three points, in the template and in the scene.
   for (std::size_t i = 0; i < 12; ++i) {
@@ -143,7 +134,7 @@ TEST(VotePoses, CoincidentInliersCountOnce) {
 }
 
 TEST(VotePoses, FindsTwoInstances) {
-  VotedWorld world = MakeWorld(3, 24, {0.8, 0.3, {50, 60}});
+  VotedWorld world = MakeVotedWorld(3, 24, {0.8, 0.3, {50, 60}});
   const Similarity2 second{0.8, -2, {450, 350}};
   Random random(5);
   for (std::size_t i = 12; i < 24; ++i) world.scene.keypoints[i] = Moved(world.model[i], second, random);
@@ -162,7 +153,7 @@ UprightPrior UprightAt(double turn_rad) {
 
 TEST(VotePoses, KnownVerticalRaisesNegLog10NfaOfUprightPose) {
   const Similarity2 truth{0.9, 1.1, {350, 200}};
-  const VotedWorld world = MakeWorld(1, 12, truth);
+  const VotedWorld world = MakeVotedWorld(1, 12, truth);
   const auto fits = VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(1.1));
   ASSERT_FALSE(fits.empty());
   EXPECT_NEAR(fits[0].scene_from_template.rotation_rad, truth.rotation_rad, 0.05);
@@ -170,7 +161,7 @@ TEST(VotePoses, KnownVerticalRaisesNegLog10NfaOfUprightPose) {
 }
 
 TEST(VotePoses, RejectsTiltedPoses) {
-  const VotedWorld world = MakeWorld(1, 12, {0.9, 1.1, {350, 200}});
+  const VotedWorld world = MakeVotedWorld(1, 12, {0.9, 1.1, {350, 200}});
   ASSERT_GT(*Find(world)[0].neg_log10_nfa, 4);
   for (const PlanarFit& fit : VotePoses(world.scene, world.model, world.matches, kOutline, {}, {}, UprightAt(-0.6))) {
     EXPECT_LT(*fit.neg_log10_nfa, 1);
@@ -179,7 +170,7 @@ TEST(VotePoses, RejectsTiltedPoses) {
 
 TEST(VotePoses, EmptyInputGivesNoPose) {
   EXPECT_TRUE(VotePoses({}, {}, {}, kOutline, {}, {}).empty());
-  const VotedWorld world = MakeWorld(4, 12, {});
+  const VotedWorld world = MakeVotedWorld(4, 12, {});
   EXPECT_TRUE(VotePoses(world.scene, world.model, world.matches, {}, {}, {}).empty());
 }
 

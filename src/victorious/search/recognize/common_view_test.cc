@@ -11,9 +11,9 @@
 namespace victorious {
 namespace {
 
-const cv::Size kFrame(1280, 720);
+const cv::Size kCommonFrame(1280, 720);
 constexpr double kPixelsPerM = 10;
-constexpr double kOffNadir_rad = RadiansFromDegrees(50);
+constexpr double kCommonOffNadir_rad = RadiansFromDegrees(50);
 constexpr double kFocal_px = 4000;
 
 // Matches of objects that stand in one flight, with errors of 4 % and 3 degrees.
@@ -23,8 +23,9 @@ std::vector<ShapeMatch> Standing(std::size_t models, std::size_t of_each, std::u
   for (std::size_t i = 0; i < models * of_each; ++i) {
     const double y_px = random.Uniform(-300, 300);
     ShapeMatch match{.model_index = i % models, .centre_px = {640, 360 + y_px}, .neg_log10_nfa = 4};
-    match.pixels_per_m = kPixelsPerM * std::exp(std::tan(kOffNadir_rad) * y_px / kFocal_px + 0.04 * random.Normal());
-    match.to_camera.off_nadir_rad = kOffNadir_rad - y_px / kFocal_px + RadiansFromDegrees(3) * random.Normal();
+    match.pixels_per_m =
+        kPixelsPerM * std::exp(std::tan(kCommonOffNadir_rad) * y_px / kFocal_px + 0.04 * random.Normal());
+    match.to_camera.off_nadir_rad = kCommonOffNadir_rad - y_px / kFocal_px + RadiansFromDegrees(3) * random.Normal();
     matches.push_back(match);
   }
   return matches;
@@ -41,19 +42,19 @@ void AddPattern(std::size_t model, std::size_t count, std::vector<ShapeMatch>& m
 TEST(FindCommonView, IsThatOfTheObjectsThatStandThere) {
   std::vector<ShapeMatch> matches = Standing(5, 6);
   AddPattern(7, 30, matches);
-  const auto view = FindCommonView(matches, kFrame);
+  const auto view = FindCommonView(matches, kCommonFrame);
   ASSERT_TRUE(view);
   EXPECT_NEAR(view->pixels_per_m, kPixelsPerM, 0.3);
-  EXPECT_NEAR(view->off_nadir_rad, kOffNadir_rad, RadiansFromDegrees(3));
+  EXPECT_NEAR(view->off_nadir_rad, kCommonOffNadir_rad, RadiansFromDegrees(3));
   EXPECT_NEAR(std::log(view->focal_px / kFocal_px), 0, 0.4);
 }
 
-TEST(FindCommonView, TwoModelsAreTooFew) { EXPECT_FALSE(FindCommonView(Standing(2, 20), kFrame)); }
+TEST(FindCommonView, TwoModelsAreTooFew) { EXPECT_FALSE(FindCommonView(Standing(2, 20), kCommonFrame)); }
 
 TEST(FindCommonView, AWeakAgreementIsTooLittle) {
   std::vector<ShapeMatch> matches = Standing(5, 2);
-  EXPECT_FALSE(FindCommonView(matches, kFrame));
-  EXPECT_FALSE(FindCommonView({}, kFrame));
+  EXPECT_FALSE(FindCommonView(matches, kCommonFrame));
+  EXPECT_FALSE(FindCommonView({}, kCommonFrame));
 }
 
 TEST(FindCommonView, OfTwoViewsThatAgreeAsWellNeitherIsTaken) {
@@ -62,12 +63,12 @@ TEST(FindCommonView, OfTwoViewsThatAgreeAsWellNeitherIsTaken) {
     matches.push_back(match);
     matches.back().pixels_per_m *= 2;
   }
-  EXPECT_FALSE(FindCommonView(matches, kFrame));
+  EXPECT_FALSE(FindCommonView(matches, kCommonFrame));
 }
 
 TEST(ConditionsOf, HaveTheViewInTheMiddleAndLargerObjectsBelow) {
-  const CommonView view{.off_nadir_rad = kOffNadir_rad, .pixels_per_m = kPixelsPerM, .focal_px = kFocal_px};
-  const FrameConditions conditions = ConditionsOf(view, kFrame);
+  const CommonView view{.off_nadir_rad = kCommonOffNadir_rad, .pixels_per_m = kPixelsPerM, .focal_px = kFocal_px};
+  const FrameConditions conditions = ConditionsOf(view, kCommonFrame);
   ASSERT_TRUE(conditions.vertical && conditions.height_above_ground_m);
   const auto down_at = [&](double y_px) {
     return -conditions.vertical->up_in_camera.dot(conditions.vertical->pinhole.Unproject({640, y_px}));
@@ -75,9 +76,10 @@ TEST(ConditionsOf, HaveTheViewInTheMiddleAndLargerObjectsBelow) {
   const auto pixels_per_m_at = [&](double y_px) {
     return conditions.vertical->pinhole.fx * down_at(y_px) / *conditions.height_above_ground_m;
   };
-  EXPECT_NEAR(std::acos(down_at(360)), kOffNadir_rad, 1e-6);
+  EXPECT_NEAR(std::acos(down_at(360)), kCommonOffNadir_rad, 1e-6);
   EXPECT_NEAR(pixels_per_m_at(360), kPixelsPerM, 1e-6);
-  EXPECT_NEAR(std::log(pixels_per_m_at(460) / pixels_per_m_at(360)), std::tan(kOffNadir_rad) * 100 / kFocal_px, 0.002);
+  EXPECT_NEAR(std::log(pixels_per_m_at(460) / pixels_per_m_at(360)), std::tan(kCommonOffNadir_rad) * 100 / kFocal_px,
+              0.002);
 }
 
 }  // namespace

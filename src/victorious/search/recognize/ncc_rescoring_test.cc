@@ -32,7 +32,7 @@ cv::Mat Patches(const cv::Size& size, double breadth_px, std::uint64_t seed) {
   return grey;
 }
 
-testing::FlatViewSource SurfaceSamplesOf(const cv::Mat& grey) { return {grey, 4, 5}; }
+testing::FlatViewSource RescoringSamplesOf(const cv::Mat& grey) { return {grey, 4, 5}; }
 
 constexpr double kTurn_rad = 0.7;
 const Eigen::Vector2d kMiddle(400, 200);
@@ -64,7 +64,7 @@ std::optional<double> ZScore(const cv::Mat& grey, const RelitTemplateSource& ima
 
 TEST(NccScore, SeparatesTruePoseFromOtherPoses) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
-  const testing::FlatViewSource views = SurfaceSamplesOf(object);
+  const testing::FlatViewSource views = RescoringSamplesOf(object);
   for (const double contrast : {1.0, 0.3}) {
     const cv::Mat scene = SceneWith(object, contrast);
     // The initial pose has a small error, as that of a vote search.
@@ -81,7 +81,7 @@ TEST(NccScore, SeparatesTruePoseFromOtherPoses) {
 
 TEST(NccScore, InvertedContrastScoresNegative) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
-  const auto sigmas = ZScore(SceneWith(255 - object, 1), SurfaceSamplesOf(object), PoseAt(kMiddle, kTurn_rad));
+  const auto sigmas = ZScore(SceneWith(255 - object, 1), RescoringSamplesOf(object), PoseAt(kMiddle, kTurn_rad));
   ASSERT_TRUE(sigmas);
   EXPECT_LT(*sigmas, 0);
 }
@@ -89,7 +89,7 @@ TEST(NccScore, InvertedContrastScoresNegative) {
 // The null distribution: z-scores of false poses have zero mean and unit variance, also at the frame's edge, where
 // fewer samples are compared.
 TEST(NccScore, FalsePosesAreStandardNormal) {
-  const testing::FlatViewSource views = SurfaceSamplesOf(Patches({kSidePx, kSidePx}, 6, 1));
+  const testing::FlatViewSource views = RescoringSamplesOf(Patches({kSidePx, kSidePx}, 6, 1));
   const cv::Mat scene = Patches({640, 480}, 6, 11);
   for (const auto& [left, right] : {std::pair(60.0, 580.0), std::pair(2.0, 8.0)}) {
     Random random(3);
@@ -112,17 +112,17 @@ TEST(NccScore, FalsePosesAreStandardNormal) {
 TEST(NccScore, IsUnknownWithoutSamples) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
-  EXPECT_FALSE(ZScore(scene, SurfaceSamplesOf(object), PoseAt({-30, 200}, 0)));  // hardly in the frame
-  EXPECT_FALSE(ZScore(scene, SurfaceSamplesOf(cv::Mat()), PoseAt(kMiddle, 0)));  // no surface samples
+  EXPECT_FALSE(ZScore(scene, RescoringSamplesOf(object), PoseAt({-30, 200}, 0)));  // hardly in the frame
+  EXPECT_FALSE(ZScore(scene, RescoringSamplesOf(cv::Mat()), PoseAt(kMiddle, 0)));  // no surface samples
   EXPECT_FALSE(
-      ZScore(scene(cv::Rect(370, 170, 60, 60)), SurfaceSamplesOf(object), PoseAt({30, 30}, 0)));  // no null samples
+      ZScore(scene(cv::Rect(370, 170, 60, 60)), RescoringSamplesOf(object), PoseAt({30, 30}, 0)));  // no null samples
 }
 
 TEST(NccScore, IsDeterministic) {
   const cv::Mat object = Patches({kSidePx, kSidePx}, 6, 1);
   const cv::Mat scene = SceneWith(object, 1);
-  EXPECT_EQ(ZScore(scene, SurfaceSamplesOf(object), PoseAt({300, 300}, 1)),
-            ZScore(scene, SurfaceSamplesOf(object), PoseAt({300, 300}, 1)));
+  EXPECT_EQ(ZScore(scene, RescoringSamplesOf(object), PoseAt({300, 300}, 1)),
+            ZScore(scene, RescoringSamplesOf(object), PoseAt({300, 300}, 1)));
 }
 
 }  // namespace

@@ -62,13 +62,13 @@ TEST(Recognizer, GrammarFindsEachInstance) {
   EXPECT_EQ(matched, 3U);
 }
 
-RecognizeOptions By(SearchMethod method) {
+RecognizeOptions RecognisedBy(SearchMethod method) {
   RecognizeOptions options;
   options.method = method;
   return options;
 }
 
-RecognizeOptions ByVotes() { return By(SearchMethod::kVotes); }
+RecognizeOptions ByVotes() { return RecognisedBy(SearchMethod::kVotes); }
 
 // The methods for CAD models: the vote search, which is the definition, and its approximation.
 class VotesTest : public ::testing::TestWithParam<SearchMethod> {};
@@ -85,7 +85,7 @@ TEST_P(VotesTest, FindEachInstance) {
       Paste(crate, 0.9, 0.5, {430, 120}, scene), Paste(crate, 1.0, 3.0, {120, 340}, scene),
       Paste(crate, 0.9, 1.4, {310, 350}, scene), Paste(crate, 0.8, 0.5, {500, 330}, scene)};
   const Recognizer recognizer = Recognizer::Create({ModelOf("crate", crate), ModelOf("absent", Texture(110, 100, 3))},
-                                                   FeatureOptions().engine, By(GetParam()))
+                                                   FeatureOptions().engine, RecognisedBy(GetParam()))
                                     .value();
   const std::vector<Detection> detections = recognizer.Recognize(FeaturesOf(scene)).value();
   ASSERT_EQ(detections.size(), truth.size());
@@ -103,7 +103,7 @@ TEST(Recognizer, SearchesOnlyGivenViews) {
   const Eigen::Vector2d centre = Paste(crate, 1.0, 0.5, {150, 120}, scene).Apply({60, 45});
   const FeatureSet features = FeaturesOf(scene);
   const std::vector<std::size_t> views = {0};
-  for (const RecognizeOptions& options : {ByVotes(), By(SearchMethod::kShortlist), RecognizeOptions()}) {
+  for (const RecognizeOptions& options : {ByVotes(), RecognisedBy(SearchMethod::kShortlist), RecognizeOptions()}) {
     const Recognizer recognizer = Recognizer::Create({ModelOf("absent", Texture(110, 100, 3)), ModelOf("crate", crate)},
                                                      FeatureOptions().engine, options)
                                       .value();
@@ -131,7 +131,7 @@ TEST(Recognizer, SearchesPartsOfTheViewsInTurn) {
     }
     return counts;
   };
-  EXPECT_EQ(found(By(SearchMethod::kShortlist)), (std::vector<std::size_t>{1, 0, 0})) << "the only view";
+  EXPECT_EQ(found(RecognisedBy(SearchMethod::kShortlist)), (std::vector<std::size_t>{1, 0, 0})) << "the only view";
   EXPECT_EQ(found(ByVotes()), (std::vector<std::size_t>{1, 1, 0}));
   EXPECT_EQ(found({}), (std::vector<std::size_t>{1, 1, 0}));
 }
@@ -148,7 +148,7 @@ TEST_P(VotesTest, ViewWithoutFeaturesIsNoCoarseView) {
   model.views.insert(model.views.begin(), plain);
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
-  const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, By(GetParam())).value();
+  const Recognizer recognizer = Recognizer::Create({model}, FeatureOptions().engine, RecognisedBy(GetParam())).value();
   EXPECT_EQ(recognizer.Recognize(FeaturesOf(scene)).value().size(), 1U);
 }
 
@@ -181,7 +181,7 @@ TEST_P(VotesTest, ReachViewsBetweenCoarseViews) {
   cv::Mat scene = Texture(640, 480, 4);
   Paste(crate, 1.0, 0.5, {150, 120}, scene);
   const auto find = [&](SearchMethod method) {
-    return Recognizer::Create({model}, FeatureOptions().engine, By(method))
+    return Recognizer::Create({model}, FeatureOptions().engine, RecognisedBy(method))
         .value()
         .Recognize(FeaturesOf(scene))
         .value();
@@ -200,7 +200,7 @@ TEST_P(VotesTest, EstimateSunFromRelitTemplates) {
   const FeatureSet features = FeaturesOf(scene);
   const auto templates = std::make_shared<const SunDependentTemplates>();
   const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, By(GetParam()), {templates}).value();
+      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, RecognisedBy(GetParam()), {templates}).value();
   ASSERT_TRUE(recognizer.HasRelitTemplates());
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
 
@@ -230,7 +230,7 @@ TEST_P(VotesTest, SunIsRelativeToTheLineOfSight) {
   cv::Mat scene = Texture(640, 480, 4);
   Paste(SunDependentTemplates::ImageOf(kSunView, kView), 1.0, 0, at, scene);
   const FeatureSet features = FeaturesOf(scene);
-  RecognizeOptions options = By(GetParam());
+  RecognizeOptions options = RecognisedBy(GetParam());
   options.search.max_tilt_rad = 0.6;  // the scene does not model the lean of the object there
   options.search.sun_step_rad = 0.1;  // much finer than the suns of this test
   const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options,
@@ -276,7 +276,7 @@ TEST(Recognizer, ShortlistRefinesProposalsOnly) {
   const Vertical vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480);
   const Sun sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4};
   const auto templates = std::make_shared<const SunDependentTemplates>();
-  RecognizeOptions options = By(SearchMethod::kShortlist);
+  RecognizeOptions options = RecognisedBy(SearchMethod::kShortlist);
   options.shortlist.min_refined_neg_log10_nfa = 4;
   const Recognizer recognizer =
       Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, options, {templates}).value();
@@ -288,9 +288,9 @@ TEST(Recognizer, ShortlistRefinesProposalsOnly) {
 
 TEST(Recognizer, PartsOfTheViewsAreAllOfThem) {
   const auto templates = std::make_shared<const SunDependentTemplates>();
-  const Recognizer recognizer =
-      Recognizer::Create({ModelFromAround()}, FeatureOptions().engine, By(SearchMethod::kShortlist), {templates})
-          .value();
+  const Recognizer recognizer = Recognizer::Create({ModelFromAround()}, FeatureOptions().engine,
+                                                   RecognisedBy(SearchMethod::kShortlist), {templates})
+                                    .value();
   const FrameConditions conditions{.vertical = MakeVertical({0, kOffNadir_rad - kPi / 2, 0}, 0.3, 640, 480),
                                    .relative_sun = Sun{.azimuth_rad = -5 * kPi / 6, .elevation_rad = kPi / 4}};
   const FeatureSet features = FeaturesOf(Texture(640, 480, 4));
@@ -371,7 +371,8 @@ TEST(Recognizer, NccScoreDecidesUncertainDetections) {
 
 TEST_P(VotesTest, FindNothingInUnrelatedScenes) {
   const Recognizer recognizer =
-      Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, FeatureOptions().engine, By(GetParam())).value();
+      Recognizer::Create({ModelOf("crate", Texture(120, 90, 1))}, FeatureOptions().engine, RecognisedBy(GetParam()))
+          .value();
   for (std::uint64_t seed = 10; seed < 16; ++seed)
     EXPECT_TRUE(recognizer.Recognize(FeaturesOf(Texture(640, 480, seed))).value().empty()) << seed;
   EXPECT_TRUE(recognizer.Recognize(FeatureSet()).value().empty());
@@ -417,7 +418,8 @@ TEST(RecognizeDevice, FindsTheSameAsTheProcessor) {
   for (const SearchMethod method : {SearchMethod::kVotes, SearchMethod::kShortlist}) {
     const auto nfas = [&](const std::shared_ptr<kernels::NearestDevice>& device) {
       const Recognizer recognizer =
-          Recognizer::Create({ModelOf("crate", crate)}, FeatureOptions().engine, By(method), {}, device).value();
+          Recognizer::Create({ModelOf("crate", crate)}, FeatureOptions().engine, RecognisedBy(method), {}, device)
+              .value();
       std::vector<double> all;
       const std::vector<Detection> detections = recognizer.Recognize(features).value();
       for (const Detection& detection : detections) all.push_back(detection.neg_log10_nfa);
@@ -496,16 +498,16 @@ INSTANTIATE_TEST_SUITE_P(Methods, UprightParameter, ::testing::Values(SearchMeth
 
 TEST_P(UprightParameter, MaxTiltIsThatOfTheObjectsUpAxisWhereTheAttitudeIsKnown) {
   const FrameConditions known{.vertical = MakeVertical({0, kPi / 3 - kPi / 2, 0}, 0.3, 640, 480), .relative_sun = {}};
-  RecognizeOptions options = By(GetParam());
+  RecognizeOptions options = RecognisedBy(GetParam());
   EXPECT_EQ(CountTurned(0, known, options), 1U);
   EXPECT_EQ(CountTurned(0.8, known, options), 0U);  // a tilt of 2 asin(sin(60 degrees) sin(0.4)) = 0.69
   options.search.max_tilt_rad = 0.75;
   EXPECT_EQ(CountTurned(0.8, known, options), 1U);
-  EXPECT_EQ(CountTurned(0.8, {}, By(GetParam())), 1U) << "with unknown attitude the camera may be tilted";
+  EXPECT_EQ(CountTurned(0.8, {}, RecognisedBy(GetParam())), 1U) << "with unknown attitude the camera may be tilted";
 }
 
 TEST_P(UprightParameter, MaxHangingIsTheAngleBelowTheHorizontalWhereTheAttitudeIsUnknown) {
-  RecognizeOptions options = By(GetParam());
+  RecognizeOptions options = RecognisedBy(GetParam());
   EXPECT_EQ(CountTurned(kPi, {}, options), 0U) << "upside down";
   options.search.max_hanging_rad = kPi / 2;
   EXPECT_EQ(CountTurned(kPi, {}, options), 1U);

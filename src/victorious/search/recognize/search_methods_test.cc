@@ -50,7 +50,7 @@ const ObjectModel& ViewsBetween() {
 }
 
 // A scene that shows the object as view `number` of ViewsBetween() does, at half its size.
-cv::Mat SceneWith(std::size_t number) {
+cv::Mat SceneOfMethods(std::size_t number) {
   const ViewSurface surface = DecodeSurface(ViewsBetween().views[number].surface, "slab").value();
   const cv::Mat mask = surface.depth_map.depth_m == surface.depth_map.depth_m;  // not NaN
   cv::Mat scene = testing::Texture(640, 480, number);
@@ -72,7 +72,7 @@ std::vector<Detection> Find(const cv::Mat& scene, const RecognizeOptions& option
       .value();
 }
 
-RecognizeOptions By(SearchMethod method) {
+RecognizeOptions SearchedBy(SearchMethod method) {
   RecognizeOptions options;
   options.method = method;
   return options;
@@ -86,10 +86,10 @@ FrameConditions ConditionsWithSun() {
 
 TEST(SearchMethods, ShortlistFindsInRenderedScenesWhatVotesFind) {
   for (const std::size_t number : {2, 5}) {
-    const cv::Mat scene = SceneWith(number);
+    const cv::Mat scene = SceneOfMethods(number);
     for (const FrameConditions& conditions : {FrameConditions{}, ConditionsWithSun()}) {
-      const std::vector<Detection> expected = Find(scene, By(SearchMethod::kVotes), conditions);
-      const std::vector<Detection> found = Find(scene, By(SearchMethod::kShortlist), conditions);
+      const std::vector<Detection> expected = Find(scene, SearchedBy(SearchMethod::kVotes), conditions);
+      const std::vector<Detection> found = Find(scene, SearchedBy(SearchMethod::kShortlist), conditions);
       ASSERT_EQ(expected.size(), 1U) << number;
       ASSERT_EQ(found.size(), 1U) << number;
       EXPECT_GT(IntersectionOverUnion(found[0].box, expected[0].box), 0.8) << number;
@@ -99,10 +99,10 @@ TEST(SearchMethods, ShortlistFindsInRenderedScenesWhatVotesFind) {
 }
 
 TEST(SearchMethods, ShortlistIsTheSameForAnyNumberOfThreads) {
-  const cv::Mat scene = SceneWith(4);
+  const cv::Mat scene = SceneOfMethods(4);
   const auto find = [&](int threads) {
     oneapi::tbb::task_arena arena(threads);
-    return arena.execute([&] { return Find(scene, By(SearchMethod::kShortlist), ConditionsWithSun()); });
+    return arena.execute([&] { return Find(scene, SearchedBy(SearchMethod::kShortlist), ConditionsWithSun()); });
   };
   const std::vector<Detection> alone = find(1);
   ASSERT_EQ(alone.size(), 1U);
@@ -125,11 +125,11 @@ TEST(SearchMethods, FindAModelOfEvenViewsAsOneOfAGrid) {
     EXPECT_TRUE(std::ranges::equal(even.views[i].neighbours, sphere.views[i].neighbours)) << i;
   }
   for (const std::size_t number : {2, 5}) {
-    const cv::Mat scene = SceneWith(number);
+    const cv::Mat scene = SceneOfMethods(number);
     for (const FrameConditions& conditions : {FrameConditions{}, ConditionsWithSun()}) {
       for (const SearchMethod method : {SearchMethod::kVotes, SearchMethod::kShortlist}) {
-        const std::vector<Detection> expected = Find(scene, By(method), conditions);
-        const std::vector<Detection> found = Find(scene, By(method), conditions, even);
+        const std::vector<Detection> expected = Find(scene, SearchedBy(method), conditions);
+        const std::vector<Detection> found = Find(scene, SearchedBy(method), conditions, even);
         ASSERT_EQ(expected.size(), 1U) << number;
         ASSERT_EQ(found.size(), 1U) << number;
         EXPECT_GT(IntersectionOverUnion(found[0].box, expected[0].box), 0.8) << number;

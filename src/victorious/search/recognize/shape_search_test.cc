@@ -74,7 +74,7 @@ struct PlainScene {
 };
 
 // The object as view `number` of Shown() has it, in one grey under light from above, before fields.
-PlainScene SceneWith(std::size_t number) {
+PlainScene SceneOfShape(std::size_t number) {
   const ModelView& view = Shown().views[number];
   const ViewSurface surface = DecodeSurface(view.surface, "slab").value();
   const cv::Mat mask = surface.depth_map.depth_m == surface.depth_map.depth_m;  // not NaN
@@ -137,7 +137,7 @@ class ShapeSearchTest : public ::testing::Test {
 
 TEST_F(ShapeSearchTest, FindsAnObjectOfOneGrey) {
   for (const std::size_t number : {2, 5}) {
-    const PlainScene scene = SceneWith(number);
+    const PlainScene scene = SceneOfShape(number);
     const std::vector<ShapeMatch> found = Find(scene.grey, scene.conditions);
     ASSERT_EQ(found.size(), 1U) << number;
     EXPECT_LT((found[0].centre_px - scene.centre_px).norm(), 1) << number;
@@ -146,14 +146,14 @@ TEST_F(ShapeSearchTest, FindsAnObjectOfOneGrey) {
 }
 
 TEST_F(ShapeSearchTest, FindsNothingWhereThereIsNone) {
-  const PlainScene scene = SceneWith(2);
+  const PlainScene scene = SceneOfShape(2);
   for (const std::uint64_t seed : {11, 12, 13}) {
     EXPECT_TRUE(Find(Fields(seed), scene.conditions).empty()) << seed;
   }
 }
 
 TEST_F(ShapeSearchTest, NeedsTheHeightAndTheVertical) {
-  const PlainScene scene = SceneWith(2);
+  const PlainScene scene = SceneOfShape(2);
   FrameConditions unknown = scene.conditions;
   unknown.height_above_ground_m.reset();
   EXPECT_TRUE(Find(scene.grey, unknown, -100).empty());
@@ -163,7 +163,7 @@ TEST_F(ShapeSearchTest, NeedsTheHeightAndTheVertical) {
 }
 
 TEST_F(ShapeSearchTest, FindsAnObjectOfAnySizeWithoutACamera) {
-  const PlainScene scene = SceneWith(5);
+  const PlainScene scene = SceneOfShape(5);
   const std::vector<ShapeMatch> known = Find(scene.grey, scene.conditions);
   const std::vector<ShapeMatch> found = search_.FindInAnyView(scene.grey, 0).value();
   ASSERT_EQ(known.size(), 1U);
@@ -176,7 +176,7 @@ TEST_F(ShapeSearchTest, FindsAnObjectOfAnySizeWithoutACamera) {
 }
 
 TEST_F(ShapeSearchTest, AnAssumedCameraStandsInForAnUnknownOne) {
-  const PlainScene scene = SceneWith(5);
+  const PlainScene scene = SceneOfShape(5);
   const std::vector<ShapeMatch> known = Find(scene.grey, scene.conditions);
   search_.AssumeCamera(scene.conditions);
   const std::vector<ShapeMatch> found = Find(scene.grey, {}, 2);
@@ -190,7 +190,7 @@ TEST_F(ShapeSearchTest, AnAssumedCameraStandsInForAnUnknownOne) {
 
 // A height of the camera that is wrong by some per cent costs a part of the evidence, not the object.
 TEST_F(ShapeSearchTest, FindsAnObjectWithAHeightThatIsSomewhatWrong) {
-  const PlainScene scene = SceneWith(5);
+  const PlainScene scene = SceneOfShape(5);
   const std::vector<ShapeMatch> right = Find(scene.grey, scene.conditions);
   ASSERT_EQ(right.size(), 1U);
   for (const double factor : {0.95, 1.05}) {
@@ -204,7 +204,7 @@ TEST_F(ShapeSearchTest, FindsAnObjectWithAHeightThatIsSomewhatWrong) {
 }
 
 TEST_F(ShapeSearchTest, FindsAnObjectAgain) {
-  const PlainScene scene = SceneWith(5);
+  const PlainScene scene = SceneOfShape(5);
   const std::vector<ShapeMatch> first = Find(scene.grey, scene.conditions);
   ASSERT_EQ(first.size(), 1U);
   FeatureSet features{.keypoints = {}, .descriptors = {}, .image_width = 640, .image_height = 480};
@@ -217,13 +217,13 @@ TEST_F(ShapeSearchTest, FindsAnObjectAgain) {
 }
 
 TEST_F(ShapeSearchTest, FindsNoObjectOfAnotherSize) {
-  PlainScene scene = SceneWith(5);
+  PlainScene scene = SceneOfShape(5);
   *scene.conditions.height_above_ground_m *= 1.6;
   EXPECT_TRUE(Find(scene.grey, scene.conditions).empty());
 }
 
 TEST_F(ShapeSearchTest, ADetectionLiesWhereTheObjectIs) {
-  const PlainScene scene = SceneWith(5);
+  const PlainScene scene = SceneOfShape(5);
   const std::vector<ShapeMatch> found = Find(scene.grey, scene.conditions);
   ASSERT_EQ(found.size(), 1U);
   FeatureSet features{.keypoints = {}, .descriptors = {}, .image_width = 640, .image_height = 480};
@@ -247,7 +247,7 @@ TEST_F(ShapeSearchTest, ADetectionLiesWhereTheObjectIs) {
 
 // What is kept on disk is what is drawn: another search draws nothing and finds the same.
 TEST_F(ShapeSearchTest, FindsTheSameWithTemplatesFromDisk) {
-  const PlainScene scene = SceneWith(2);
+  const PlainScene scene = SceneOfShape(2);
   const std::vector<ShapeMatch> drawn = Find(scene.grey, scene.conditions, -10);
   ASSERT_FALSE(drawn.empty());
   const testing::ScratchFolder folder;
@@ -278,7 +278,7 @@ TEST_F(ShapeSearchTest, FindsTheSameWithTemplatesFromDisk) {
 }
 
 TEST_F(ShapeSearchTest, IsTheSameForAnyNumberOfThreads) {
-  const PlainScene scene = SceneWith(2);
+  const PlainScene scene = SceneOfShape(2);
   const auto find = [&](int threads) {
     oneapi::tbb::task_arena arena(threads);
     return arena.execute([&] { return Find(scene.grey, scene.conditions, -10); });

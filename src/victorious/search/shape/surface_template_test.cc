@@ -10,7 +10,7 @@
 namespace victorious {
 namespace {
 
-constexpr int kSide = 24;
+constexpr int kTemplateSide = 24;
 
 // A level square plate of 4 m, seen from above; its front half is dark.
 VisibleSurface Plate() {
@@ -27,7 +27,8 @@ VisibleSurface Plate() {
 
 CellTemplate Draw(const VisibleSurface& surface, const TemplateView& view,
                   TemplatePaint paint = TemplatePaint::kPlain) {
-  return MakeTemplate(DrawCells(surface, view, kSide)[static_cast<std::size_t>(paint)], BackgroundSpectrum({}, kSide));
+  return MakeTemplate(DrawCells(surface, view, kTemplateSide)[static_cast<std::size_t>(paint)],
+                      BackgroundSpectrum({}, kTemplateSide));
 }
 
 double Strength(const CellTemplate& cells, int row, int column, int k) { return cells.at(row, column, k); }
@@ -37,7 +38,7 @@ const TemplateView kFromAbove{.to_camera = {0, 0}, .to_sun = {}, .pixels_per_m =
 
 TEST(SurfaceTemplate, ShowsTheOutlineAroundTheMiddle) {
   const CellTemplate cells = Draw(Plate(), kFromAbove);
-  const int middle = kSide / 2;
+  const int middle = kTemplateSide / 2;
   // Left and right, edges are upright: gradients to the right. Above and below they are level.
   EXPECT_GT(Strength(cells, middle, middle - 5, 0), 0.2);
   EXPECT_GT(Strength(cells, middle, middle + 5, 0), 0.2);
@@ -52,7 +53,7 @@ TEST(SurfaceTemplate, IsZeroBesideTheObject) {
 }
 
 TEST(SurfaceTemplate, OfOneGreyHasNoEdgesOfPaint) {
-  const int middle = kSide / 2;
+  const int middle = kTemplateSide / 2;
   EXPECT_LT(Strength(Draw(Plate(), kFromAbove), middle, middle, 4), 0.05);
   EXPECT_GT(Strength(Draw(Plate(), kFromAbove, TemplatePaint::kOwn), middle, middle, 4), 0.2);
 }
@@ -76,7 +77,7 @@ TEST(SurfaceTemplate, TheSunLightsWhatFacesIt) {
   }
   TemplateView in_sun = kFromAbove;
   in_sun.to_sun = ViewDirection{.azimuth_rad = kPi, .off_nadir_rad = RadiansFromDegrees(60)};
-  const int middle = kSide / 2;
+  const int middle = kTemplateSide / 2;
   EXPECT_LT(Strength(Draw(roof, kFromAbove), middle, middle, 4), 0.05);
   EXPECT_GT(Strength(Draw(roof, in_sun), middle, middle, 4), 0.2);
 }

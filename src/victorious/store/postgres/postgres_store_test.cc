@@ -66,7 +66,7 @@ class PostgresStoreTest : public ::testing::Test {
   std::string url_;
 };
 
-Error OpenError(const std::string& url, StoreMode mode = StoreMode::kCreate) {
+Error PostgresOpenError(const std::string& url, StoreMode mode = StoreMode::kCreate) {
   const auto store = OpenStore(url, mode);
   EXPECT_FALSE(store) << "opened";
   const Error error = store ? Error{} : store.error();
@@ -102,24 +102,24 @@ TEST(PostgresName, PasswordIsTakenOutOfAUrl) {
 }
 
 TEST(PostgresName, AbsentServerIsUnavailable) {
-  const Error error = OpenError("postgresql://me:secret@127.0.0.1:1/videos");
+  const Error error = PostgresOpenError("postgresql://me:secret@127.0.0.1:1/videos");
   EXPECT_EQ(error.code, ErrorCode::kUnavailable);
   EXPECT_THAT(error.message, HasSubstr("postgresql://me@127.0.0.1:1/videos: connection to server"));
   EXPECT_THAT(error.message, HasSubstr("start the server"));
   EXPECT_THAT(error.message, Not(HasSubstr("secret")));
-  EXPECT_EQ(OpenError("postgresql://host:port/x%").code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(PostgresOpenError("postgresql://host:port/x%").code, ErrorCode::kInvalidArgument);
   const auto of_task = Connection::Open("postgresql://me@127.0.0.1:1/videos", false, {}, TaskAttempt{});
   EXPECT_EQ(of_task.error().code, ErrorCode::kUnavailable) << "it was there when the task was claimed";
 }
 
 TEST_F(PostgresStoreTest, WrongPasswordAndUnknownDatabase) {
   Run("DO $$ BEGIN CREATE ROLE with_password LOGIN PASSWORD 'right'; EXCEPTION WHEN duplicate_object THEN END $$");
-  const Error refused = OpenError(UrlOf("with_password:wrong", "index"));
+  const Error refused = PostgresOpenError(UrlOf("with_password:wrong", "index"));
   EXPECT_EQ(refused.code, ErrorCode::kPermissionDenied);
   EXPECT_THAT(refused.message, HasSubstr("correct the role and its password"));
   EXPECT_THAT(refused.message, Not(HasSubstr("wrong\n")));
   EXPECT_TRUE(Connection::Open(UrlOf("with_password:right", "index"), false));
-  const Error absent = OpenError(UrlOf("victorious", "none"));
+  const Error absent = PostgresOpenError(UrlOf("victorious", "none"));
   EXPECT_EQ(absent.code, ErrorCode::kNotFound);
   EXPECT_THAT(absent.message, HasSubstr("\"none\" does not exist"));
   EXPECT_THAT(absent.message, HasSubstr("create it"));
@@ -129,7 +129,7 @@ TEST_F(PostgresStoreTest, TooManyConnectionsAreNoFaultOfThePassword) {
   Run("DO $$ BEGIN CREATE ROLE one_at_a_time LOGIN CONNECTION LIMIT 1; EXCEPTION WHEN duplicate_object THEN END $$");
   const auto first = Connection::Open(UrlOf("one_at_a_time", "index"), true);
   ASSERT_TRUE(first) << first.error().message;
-  const Error error = OpenError(UrlOf("one_at_a_time", "index"));
+  const Error error = PostgresOpenError(UrlOf("one_at_a_time", "index"));
   EXPECT_EQ(error.code, ErrorCode::kUnavailable);
   EXPECT_THAT(error.message, HasSubstr("raise the server's max_connections"));
 }
@@ -160,7 +160,7 @@ TEST(PostgresLanguage, ErrorsOfConnectionsAreKnownInAnyLanguage) {
 }
 
 TEST_F(PostgresStoreTest, ReadingMakesNoIndex) {
-  const Error error = OpenError(url_, StoreMode::kRead);
+  const Error error = PostgresOpenError(url_, StoreMode::kRead);
   EXPECT_EQ(error.code, ErrorCode::kNotFound);
   EXPECT_THAT(error.message, HasSubstr("no index in this database"));
   EXPECT_EQ(*ReadVersion(*ConnectOrDie(), 1), 0);
@@ -169,7 +169,7 @@ TEST_F(PostgresStoreTest, ReadingMakesNoIndex) {
 TEST_F(PostgresStoreTest, RefusesASchemaOfAnotherProgram) {
   Run("CREATE SCHEMA victorious; CREATE TABLE victorious.notes (note text)");
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
-    const Error error = OpenError(url_, mode);
+    const Error error = PostgresOpenError(url_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
     EXPECT_THAT(error.message, HasSubstr("another program"));
   }
@@ -179,13 +179,13 @@ TEST_F(PostgresStoreTest, RefusesANewerVersion) {
   OpenOrDie();
   Run("UPDATE version SET schema = 99");
   for (const StoreMode mode : {StoreMode::kCreate, StoreMode::kRead}) {
-    const Error error = OpenError(url_, mode);
+    const Error error = PostgresOpenError(url_, mode);
     EXPECT_EQ(error.code, ErrorCode::kUnsupported);
     EXPECT_THAT(error.message,
                 HasSubstr(fmt::format("(schema 99; this program reads up to {})", Migrations().back().version)));
   }
   Run("DELETE FROM version");
-  EXPECT_EQ(OpenError(url_).code, ErrorCode::kDataLoss);
+  EXPECT_EQ(PostgresOpenError(url_).code, ErrorCode::kDataLoss);
 }
 
 // Another process that updates the objects, and does not come to its end.
@@ -222,7 +222,7 @@ TEST_F(PostgresStoreTest, ObjectsHeldByAnotherProcessAreAnErrorThatNamesIt) {
 TEST_F(PostgresStoreTest, MigratesIndexOfVersion1) {
   ASSERT_TRUE(Migrate(*ConnectOrDie(), Migrations().first(1)));
   Run("INSERT INTO videos (content_id, name, folder, width_px, height_px) VALUES ('c', 'a.mp4', '', 640, 480)");
-  const Error error = OpenError(url_, StoreMode::kRead);
+  const Error error = PostgresOpenError(url_, StoreMode::kRead);
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
   EXPECT_THAT(error.message, HasSubstr(fmt::format("(schema 1; this program reads {})", Migrations().back().version)));
   EXPECT_THAT(*OpenOrDie()->Videos(), SizeIs(1));
@@ -268,7 +268,7 @@ TEST_F(PostgresStoreTest, SaysThatPostgisIsMissing) {
   Run("DROP DATABASE IF EXISTS plain");
   Run("DO $$ BEGIN CREATE ROLE owner LOGIN; EXCEPTION WHEN duplicate_object THEN END $$");
   Run("CREATE DATABASE plain OWNER owner");
-  const Error error = OpenError(UrlOf("owner", "plain"));
+  const Error error = PostgresOpenError(UrlOf("owner", "plain"));
   EXPECT_EQ(error.code, ErrorCode::kPermissionDenied);
   EXPECT_THAT(error.message, HasSubstr("let an administrator run CREATE EXTENSION postgis"));
   const auto store = OpenPostgresStore(UrlOf("victorious", "plain"), StoreMode::kCreate);
@@ -356,7 +356,7 @@ TEST_F(PostgresStoreTest, ARoleThatMaySelectReads) {
   OpenOrDie();
   Run("DO $$ BEGIN CREATE ROLE reader LOGIN; EXCEPTION WHEN duplicate_object THEN END $$");
   const std::string url = UrlOf("reader", "index");
-  EXPECT_EQ(OpenError(url, StoreMode::kRead).code, ErrorCode::kPermissionDenied);
+  EXPECT_EQ(PostgresOpenError(url, StoreMode::kRead).code, ErrorCode::kPermissionDenied);
   Run("GRANT USAGE ON SCHEMA victorious TO reader; GRANT SELECT ON ALL TABLES IN SCHEMA victorious TO reader; "
       "REVOKE ALL ON victorious.accounts, victorious.credentials, victorious.jobs, victorious.audit FROM reader");
   EXPECT_FALSE(MayServe(url).value());
@@ -399,7 +399,7 @@ TEST_F(PostgresStoreTest, ARoleThatServesWritesReviewsAndNoSightings) {
 TEST_F(PostgresStoreTest, RefusesOtherEncodings) {
   Run("DROP DATABASE IF EXISTS latin");
   Run("CREATE DATABASE latin ENCODING LATIN1 LOCALE 'C' TEMPLATE template0");
-  const Error error = OpenError(UrlOf("victorious", "latin"));
+  const Error error = PostgresOpenError(UrlOf("victorious", "latin"));
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
   EXPECT_THAT(error.message, HasSubstr("LATIN1"));
 }

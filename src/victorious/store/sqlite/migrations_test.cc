@@ -14,13 +14,13 @@
 namespace victorious::sqlite {
 namespace {
 
-std::unique_ptr<IndexStore> OpenOrDie(const std::filesystem::path& path) {
+std::unique_ptr<IndexStore> OpenMigrated(const std::filesystem::path& path) {
   auto store = OpenSqliteStore(path, StoreMode::kCreate);
   if (!store) ADD_FAILURE() << store.error().message;
   return store ? *std::move(store) : nullptr;
 }
 
-std::string IntegrityCheck(const std::filesystem::path& path) {
+std::string CheckMigrated(const std::filesystem::path& path) {
   return Connection::Open(path, Access::kWrite).value()->QueryText("PRAGMA integrity_check").value();
 }
 
@@ -64,7 +64,7 @@ TEST_F(MigrationTest, MigratesIndexOfVersion1) {
   }
   EXPECT_EQ(OpenSqliteStore(path_, StoreMode::kRead).error().code, ErrorCode::kUnsupported)
       << "reading changes nothing";
-  const auto store = OpenOrDie(path_);
+  const auto store = OpenMigrated(path_);
   const auto objects = store->Objects({});
   ASSERT_EQ(objects->size(), 2U);
   EXPECT_EQ(objects->front().id, 4);
@@ -81,7 +81,7 @@ TEST_F(MigrationTest, MigratesIndexOfVersion1) {
   const auto ids = store->Commit(batch);
   ASSERT_TRUE(ids) << ids.error().message;
   EXPECT_EQ(ids->front(), 10) << "ids are unique";
-  EXPECT_EQ(IntegrityCheck(path_), "ok");
+  EXPECT_EQ(CheckMigrated(path_), "ok");
 }
 
 // An index of schema 2: its sightings have the matched views; the distances of the objects are unknown.
@@ -100,7 +100,7 @@ TEST_F(MigrationTest, MigratesIndexOfVersion2) {
                               "off_nadir_rad, in_plane_rad) VALUES (1, 0, 1, 0, 1, 2, 3, 4, x'', 0.9, 'recognised', "
                               "5, 7, 0.5, 1, 0)"));
   }
-  const auto sightings = OpenOrDie(path_)->Sightings({});
+  const auto sightings = OpenMigrated(path_)->Sightings({});
   ASSERT_EQ(sightings->size(), 1U);
   EXPECT_EQ(sightings->front().view->azimuth_rad, 0.5);
   EXPECT_FALSE(sightings->front().sigma_view_rad);
@@ -144,7 +144,7 @@ TEST_F(MigrationTest, MigratesIndexOfVersion4) {
   }
   EXPECT_EQ(OpenSqliteStore(path_, StoreMode::kRead).error().code, ErrorCode::kUnsupported)
       << "reading changes nothing";
-  const auto store = OpenOrDie(path_);
+  const auto store = OpenMigrated(path_);
   const VideoRecord video = store->Videos()->front();
   EXPECT_EQ(video.features_json, "{\"f\":1}");
   EXPECT_EQ(video.start_utc_us, 1700000000000000);
@@ -185,7 +185,7 @@ TEST_F(MigrationTest, MigratesIndexOfVersion4) {
   ASSERT_TRUE(store->DeleteOtherContent("a.mp4", "", "d")) << "the foreign keys were renamed, too";
   EXPECT_TRUE(store->Tracklets()->empty());
   EXPECT_TRUE(store->Sightings({.include_rejected = true})->empty());
-  EXPECT_EQ(IntegrityCheck(path_), "ok");
+  EXPECT_EQ(CheckMigrated(path_), "ok");
 }
 
 // An index of schema 6: its objects get what lists ask for, and their reviews.
@@ -211,7 +211,7 @@ TEST_F(MigrationTest, MigratesIndexOfVersion6) {
                 "30)");
     ASSERT_TRUE(filled) << filled.error().message;
   }
-  const auto store = OpenOrDie(path_);
+  const auto store = OpenMigrated(path_);
   const auto reviews = store->Reviews();
   ASSERT_EQ(reviews->size(), 1U);
   EXPECT_EQ(reviews->front().object, 2);
@@ -222,7 +222,7 @@ TEST_F(MigrationTest, MigratesIndexOfVersion6) {
                  ->QueryText("SELECT group_concat(id || ' ' || score || ' ' || frames || ' ' || last_time_s || ' ' || "
                              "is_listed, ', ') FROM objects"),
             "1 0.9 5 9.0 1, 2 0.5 2 4.0 1, 3 0.8 2 4.0 0");
-  EXPECT_EQ(IntegrityCheck(path_), "ok");
+  EXPECT_EQ(CheckMigrated(path_), "ok");
 }
 
 // An index of schema 11: one review for a place, of whoever decided last. Each becomes the decision of its person.
@@ -247,7 +247,7 @@ TEST_F(MigrationTest, MigratesReviewsOfVersion11) {
                 "UPDATE objects SET verdict = 'rejected', note = 'no', reviewer = 'bob', reviewed_utc_us = 20");
     ASSERT_TRUE(filled) << filled.error().message;
   }
-  const auto store = OpenOrDie(path_);
+  const auto store = OpenMigrated(path_);
   const auto decisions = store->Decisions(1);
   ASSERT_TRUE(decisions) << decisions.error().message;
   ASSERT_EQ(decisions->size(), 2U);
@@ -256,7 +256,7 @@ TEST_F(MigrationTest, MigratesReviewsOfVersion11) {
   EXPECT_EQ(store->Reviews()->front().review.reviewer, "bob");
   const auto connection = Connection::Open(path_, Access::kRead);
   EXPECT_EQ(*(*connection)->QueryText("SELECT is_contested FROM objects"), "1");
-  EXPECT_EQ(IntegrityCheck(path_), "ok");
+  EXPECT_EQ(CheckMigrated(path_), "ok");
 }
 
 // An index of schema 20: of its searches as much is known as their options and the lengths of the videos tell.
@@ -280,14 +280,14 @@ TEST_F(MigrationTest, MigratesSearchesOfVersion20) {
                 "descriptors) VALUES (2, 20, 2, 640, 480, x'', x''), (2, 40, 4, 640, 480, x'', x'')");
     ASSERT_TRUE(filled) << filled.error().message;
   }
-  const auto store = OpenOrDie(path_);
+  const auto store = OpenMigrated(path_);
   const auto part = [](std::int64_t video, std::int64_t model, std::int64_t to_frame, double from_s, double to_s) {
     return SearchPart{video, model, SearchPartKind::kSearched, 0, to_frame, from_s, to_s};
   };
   EXPECT_THAT(*store->SearchParts(1),
               ::testing::ElementsAre(part(1, 1, 101, 0, 10), part(1, 2, 41, 1.5, 4), part(1, 3, 51, 0, 5)));
   EXPECT_THAT(*store->SearchParts(2), ::testing::ElementsAre(part(2, 1, 30, 0, 2)));
-  EXPECT_EQ(IntegrityCheck(path_), "ok");
+  EXPECT_EQ(CheckMigrated(path_), "ok");
 }
 
 }  // namespace
