@@ -70,6 +70,7 @@ class FaultInjectingStore : public IndexStore {
                                      const CancelToken& cancel) override {
     return store_.UpdateObjects(make, cancel);
   }
+  [[nodiscard]] Expected<std::string> AssociationOptions() override { return store_.AssociationOptions(); }
   [[nodiscard]] Status PutFits(std::span<const KeptFit> fits) override { return store_.PutFits(fits); }
   [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override {
     return store_.VisitKeptFits(visit);
@@ -96,6 +97,14 @@ class FaultInjectingStore : public IndexStore {
   [[nodiscard]] Expected<std::vector<Review>> Decisions(std::int64_t object) override {
     return store_.Decisions(object);
   }
+  [[nodiscard]] Expected<std::int64_t> PutTrackletGroups(const TrackletGroups& groups) override {
+    return store_.PutTrackletGroups(groups);
+  }
+  [[nodiscard]] Status DeleteTrackletGroups(std::int64_t correction, const std::string& author,
+                                            std::int64_t made_utc_us) override {
+    return store_.DeleteTrackletGroups(correction, author, made_utc_us);
+  }
+  [[nodiscard]] Expected<std::vector<TrackletLink>> TrackletLinks() override { return store_.TrackletLinks(); }
   [[nodiscard]] Expected<std::vector<std::string>> FindFaults() override { return store_.FindFaults(); }
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override { return store_.ChangeNumber(); }
 

@@ -45,7 +45,7 @@ class DocumentsTest(unittest.TestCase):
                 # `bench` and `experiment` are programs of their own, with names in place of commands.
                 if not words or not words[0].islower() or words[0] in ("bench", "experiment"):
                     continue
-                command = words[: 2 if words[0] in ("model", "category", "manual", "user", "cluster") else 1]
+                command = words[: 2 if words[0] in ("model", "category", "manual", "object", "user", "cluster") else 1]
                 with self.subTest(document=document.name, line=line):
                     known = flags_of(*[word for word in command if not word.startswith("-")])
                     self.assertTrue(known, f"no command {command}")

@@ -123,23 +123,27 @@ RIGHTS = {
     "reader": {"SELECT": {"reviews", "decisions", "reviewed_tracklets", "thresholds"}},
     "worker": {
         "INSERT": {"videos", "searches", "tracklets", "kept_fits", "search_parts", "video_cuts", "recordings", "models", "kept_frames",
-                   "shown_ground", "gaps", "segments", "tasks", "covered_times", "options", "sightings", "task_log", "objects"},
+                   "shown_ground", "gaps", "segments", "tasks", "covered_times", "options", "sightings", "task_log", "objects",
+                   "association_options"},
         "UPDATE": {"videos", "searches", "tracklets", "kept_fits", "search_parts", "video_cuts", "recordings", "segments", "tasks",
-                   "covered_times", "objects"},
+                   "covered_times", "objects", "association_options"},
         "DELETE": {"videos", "searches", "tracklets", "kept_fits", "search_parts", "video_cuts", "recordings", "models", "kept_frames",
                    "shown_ground", "gaps", "objects"},
     },
     "server": {
         "SELECT": {"reviews", "decisions", "reviewed_tracklets", "thresholds", "accounts", "credentials", "jobs", "audit"},
-        "INSERT": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials", "audit"},
-        "UPDATE": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials", "objects"},
-        "DELETE": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials"},
+        "INSERT": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials", "audit", "tracklet_links", "tracklet_link_ends",
+                   "association_options", "kept_fits", "objects"},
+        "UPDATE": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials", "association_options", "kept_fits", "objects",
+                   "tracklets"},
+        "DELETE": {"reviews", "decisions", "thresholds", "jobs", "accounts", "credentials", "tracklet_links", "kept_fits", "objects"},
     },
 }  # fmt: skip
 REVIEW_COLUMNS = {"verdict", "note", "reviewer", "reviewed_utc_us", "is_contested"}
 # What everybody of these roles reads: what was found, and what workers do.
 FOUND = {"version", "videos", "models", "options", "searches", "objects", "tracklets", "sightings", "kept_frames", "kept_fits", "search_parts",
-         "shown_ground", "covered_times", "tasks", "task_log", "video_cuts", "segments", "gaps", "recordings"}  # fmt: skip
+         "shown_ground", "covered_times", "tasks", "task_log", "video_cuts", "segments", "gaps", "recordings",
+         "tracklet_links", "tracklet_link_ends", "association_options"}  # fmt: skip
 
 
 class RolesTest(program.ProgramTest):
@@ -188,7 +192,8 @@ class RolesTest(program.ProgramTest):
                 done = subprocess.run(command, check=False, capture_output=True, text=True)
                 self.assertIn("permission denied", done.stderr)
             if role == "server":
-                self.assertEqual(columns, REVIEW_COLUMNS)
+                self.assertEqual(columns & (REVIEW_COLUMNS | {"id", "model_id"}), REVIEW_COLUMNS)
+                self.assertEqual(allowed["UPDATE"]["tracklets"], {"object_id"})
 
     def test_each_role_does_its_work(self):
         server, worker, reader = (self.of(role) for role in ("server", "worker", "reader"))
@@ -214,6 +219,10 @@ class RolesTest(program.ProgramTest):
         status = json.loads(self.succeeds("cluster", "status", "--db", reader, "--json").out)
         self.assertEqual(status["done"], 1, status)
         self.assertGreater(len(self.succeeds("export", "--db", reader, "--format", "objects").rows()), 1)
+        of_one_model = "SELECT min(id) || ' ' || max(id) FROM victorious.objects GROUP BY model_id HAVING count(*) > 1"
+        first, second = self.sql(self.url, of_one_model)[0].split()
+        self.succeeds("object", "join", first, second, "--db", server)
+        self.refuses(1, "permission denied", "object", "split", first, "--video", other, "--db", worker)
         self.refuses(1, "permission denied", "index", self.video, "--models", program.models(), "--db", reader, "--redo")
 
 

@@ -19,6 +19,7 @@
 #include "victorious/types/index_records.h"
 #include "victorious/types/review.h"
 #include "victorious/types/sighting_filter.h"
+#include "victorious/types/tracklet_link.h"
 
 namespace victorious {
 
@@ -132,6 +133,8 @@ class IndexStore {
   /// @param cancel  does not stop `make` or the storing, only long waiting for another process
   [[nodiscard]] virtual Status UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make,
                                              const CancelToken& cancel) = 0;
+  /// The parameters by which the present objects were made (ObjectUpdate::options_json); empty: unknown.
+  [[nodiscard]] virtual Expected<std::string> AssociationOptions() = 0;
   /// Stores fits alone, while `make` of UpdateObjects goes on: one that is killed leaves them to the next. As
   /// ObjectUpdate::put_fits.
   [[nodiscard]] virtual Status PutFits(std::span<const KeptFit> fits) = 0;
@@ -165,6 +168,19 @@ class IndexStore {
   [[nodiscard]] virtual Expected<std::vector<ReviewedObject>> Reviews() = 0;
   /// Returns the latest review of each person that belongs to an object, latest first.
   [[nodiscard]] virtual Expected<std::vector<Review>> Decisions(std::int64_t object) = 0;
+
+  /// Stores what a person says of the identity of tracklets. As a review it is bound to the first sighting of each. The
+  /// objects follow when data association runs. Returns the number of the correction. Error: kNotFound for a tracklet
+  /// that is not in the index.
+  [[nodiscard]] virtual Expected<std::int64_t> PutTrackletGroups(const TrackletGroups& groups) = 0;
+  /// Deletes a correction, as if it had never been said. Error: kNotFound.
+  /// @param author, made_utc_us  for the log
+  [[nodiscard]] virtual Status DeleteTrackletGroups(std::int64_t correction, const std::string& author,
+                                                    std::int64_t made_utc_us) = 0;
+  /// What people said of tracklets, in the order in which they said it; of each group only so many pairs that the
+  /// others follow. An end belongs to the tracklet of its model whose sighting in its frame overlaps its box most, by
+  /// half or more (intersection over union).
+  [[nodiscard]] virtual Expected<std::vector<TrackletLink>> TrackletLinks() = 0;
 
   /// Reads everything and returns the faults that it finds, one line each: damaged pages, rows that refer to missing
   /// rows, values that cannot be read; empty for a sound index. Cost: that of reading the whole file.

@@ -117,6 +117,7 @@ struct ObjectUpdate {
   std::vector<ObjectRecord> objects;  ///< all of them
   std::vector<KeptFit> put_fits;      ///< added, or replaced; without a path, the stored one stays
   std::vector<FitKey> deleted_fits;
+  std::string options_json;  ///< by which they are made, IndexStore::AssociationOptions; empty: the stored text stays
 };
 
 /// How a sighting was found.

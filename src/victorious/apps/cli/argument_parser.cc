@@ -132,6 +132,7 @@ template Argument ArgumentParser::Add(const std::string&, std::optional<std::int
 template Argument ArgumentParser::Add(const std::string&, std::optional<std::uint64_t>&, const std::string&);
 template Argument ArgumentParser::Add(const std::string&, std::optional<double>&, const std::string&);
 template Argument ArgumentParser::Add(const std::string&, std::vector<std::string>&, const std::string&);
+template Argument ArgumentParser::Add(const std::string&, std::vector<std::int64_t>&, const std::string&);
 template Argument ArgumentParser::Add(const std::string&, std::vector<double>&, const std::string&);
 
 Argument ArgumentParser::AddFlag(const std::string& name, bool& given, const std::string& description) {

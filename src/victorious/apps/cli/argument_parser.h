@@ -31,7 +31,7 @@ template <typename Type>
 concept ArgumentValue =
     OneOfTypes<Type, std::string, int, std::int64_t, std::uint64_t, double, std::optional<std::string>,
                std::optional<int>, std::optional<std::int64_t>, std::optional<std::uint64_t>, std::optional<double>,
-               std::vector<std::string>, std::vector<double>>;
+               std::vector<std::string>, std::vector<std::int64_t>, std::vector<double>>;
 
 /// An option, a flag or a positional argument. A handle: copies name the same argument, which lives as long as the
 /// program's parser. Each function changes the argument and returns it, so that calls can be chained.

@@ -37,6 +37,7 @@ Action SetUpManual(ArgumentParser& parser);
 Action SetUpMatch(ArgumentParser& parser);
 Action SetUpModel(ArgumentParser& parser);
 Action SetUpNavigate(ArgumentParser& parser);
+Action SetUpObject(ArgumentParser& parser);
 Action SetUpParams(ArgumentParser& parser);
 Action SetUpRecord(ArgumentParser& parser);
 Action SetUpRemove(ArgumentParser& parser);

@@ -48,6 +48,7 @@ constexpr std::array kCommands = {
             nullptr, kHasAddresses},
     Command{"serve", "Find", "Show the results in the browser: ranked list, video and map", &SetUpServe, !kHasThreads,
             nullptr, kHasAddresses},
+    Command{"object", "Find", "Correct which moments are one object: join objects, or split one", &SetUpObject},
     Command{"user", "Find", "Say who may use `serve`: accounts, roles, tokens, log", &SetUpUser},
     Command{"remove", "Find", "Take a video or a model out of an index, with all that was found of it", &SetUpRemove},
     Command{"backup", "Find", "Copy an index while it is read and written", &SetUpBackup},

@@ -157,7 +157,8 @@ Json ObjectToJson(const TriageObject& listed, const IndexLists& lists) {
   const ObjectRecord& object = listed.object;
   Json moments = Json::array();
   for (const TrackletRecord& one : listed.moments) {
-    moments.push_back({{"video_id", one.video},
+    moments.push_back({{"id", one.id},
+                       {"video_id", one.video},
                        {"first_time_s", TimeJson(one.first_time_s)},
                        {"last_time_s", TimeJson(one.last_time_s)},
                        {"frames", one.frames},

@@ -69,6 +69,8 @@ std::vector<ApiRoute> MakeRoutes(RouteParts& parts) {
        kHasQuery, kIsSlow},
       {HttpMethod::kGet, "/api/v1/objects/{id}/decisions", Role::kViewer, Of(parts.objects, &ObjectRoutes::Decisions)},
       {HttpMethod::kPut, "/api/v1/objects/{id}/review", Role::kAnalyst, Of(parts.objects, &ObjectRoutes::PutReview)},
+      {HttpMethod::kPost, "/api/v1/objects/regroup", Role::kAnalyst, Of(parts.objects, &ObjectRoutes::Regroup),
+       !kHasQuery, kIsSlow},
       {HttpMethod::kPost, "/api/v1/uploads", Role::kAnalyst, Of(parts.jobs, &JobRoutes::Upload), kHasQuery, !kIsSlow,
        kIsUpload},
       {HttpMethod::kGet, "/api/v1/cluster", Role::kViewer, Of(parts.cluster, &ClusterRoutes::List)},

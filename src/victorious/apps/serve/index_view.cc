@@ -45,6 +45,8 @@ Expected<IndexLists> ReadLists(const IndexReader& reader) {
   return lists;
 }
 
+void LogLine(const std::string& warning) { LogWarning("{}", OneLine(warning)); }
+
 }  // namespace
 
 const VideoRecord* IndexLists::Video(std::int64_t id) const { return FindById(videos, id); }
@@ -148,15 +150,41 @@ void IndexView::Return(std::unique_ptr<IndexReader> reader) {
   returned_.notify_one();
 }
 
+Status IndexView::CheckWriter() const {
+  if (writer_) return {};
+  return Fail(
+      ErrorCode::kPermissionDenied,
+      fmt::format("{}: cannot be written, so nothing is kept: allow {}, then start `victorious serve` "
+                  "again",
+                  StoreName(name_), IsDatabaseUrl(name_) ? "the role to write" : "writing to the file and its folder"));
+}
+
+Expected<std::unique_ptr<IndexStore>> IndexView::OpenWriter() const {
+  VICTORIOUS_RETURN_IF_ERROR(CheckWriter());
+  return OpenStore(name_, StoreMode::kCreate);
+}
+
+Expected<RegroupedObjects> IndexView::Regroup(TrackletGroups groups, const CancelToken& cancel) {
+  groups.made_utc_us = NowUtcMicroseconds();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenWriter());
+  VICTORIOUS_ASSIGN_OR_RETURN(RegroupedObjects regrouped, RegroupObjects(groups, *store, cancel, &LogLine));
+  NoteOwnChange();
+  return regrouped;
+}
+
+Expected<std::vector<std::int64_t>> IndexView::UndoRegroup(std::int64_t correction, TrackletGroups groups,
+                                                           const CancelToken& cancel) {
+  groups.made_utc_us = NowUtcMicroseconds();
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenWriter());
+  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<std::int64_t> objects,
+                              UndoRegrouping(correction, groups, *store, cancel, &LogLine));
+  NoteOwnChange();
+  return objects;
+}
+
 Status IndexView::ChangeReview(std::int64_t object, const ReviewChange& change) {
   const std::scoped_lock lock(writer_mutex_);
-  if (!writer_) {
-    return Fail(ErrorCode::kPermissionDenied,
-                fmt::format("{}: cannot be written, so reviews are not kept: allow {}, then start `victorious serve` "
-                            "again",
-                            StoreName(name_),
-                            IsDatabaseUrl(name_) ? "the role to write" : "writing to the file and its folder"));
-  }
+  VICTORIOUS_RETURN_IF_ERROR(CheckWriter());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<Review> decisions, writer_->Decisions(object));
   const auto before = std::ranges::find(decisions, change.reviewer, &Review::reviewer);
   Review review = before == decisions.end() ? Review{.reviewer = change.reviewer} : *before;

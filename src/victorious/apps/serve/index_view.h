@@ -19,7 +19,9 @@
 #include <vector>
 
 #include "victorious/apps/serve/list_freshness.h"
+#include "victorious/base/cancel.h"
 #include "victorious/base/error.h"
+#include "victorious/jobs/regroup_objects.h"
 #include "victorious/store/index_store.h"
 #include "victorious/store/triage_store.h"
 
@@ -86,6 +88,13 @@ class IndexView {
   /// Stores the changed review with the present time. Errors: kPermissionDenied; those of IndexStore::PutReview.
   [[nodiscard]] Status ChangeReview(std::int64_t object, const ReviewChange& change);
 
+  /// RegroupObjects at the present time, by a store of its own, so that reviews are stored meanwhile. Errors:
+  /// kPermissionDenied; those of RegroupObjects and of OpenStore.
+  [[nodiscard]] Expected<RegroupedObjects> Regroup(TrackletGroups groups, const CancelToken& cancel);
+  /// UndoRegrouping likewise.
+  [[nodiscard]] Expected<std::vector<std::int64_t>> UndoRegroup(std::int64_t correction, TrackletGroups groups,
+                                                                const CancelToken& cancel);
+
   /// How often this server has changed what the lists show a little later: reviews, and those of NoteOwnChange.
   [[nodiscard]] std::int64_t own_changes() const { return own_changes_; }
   void NoteOwnChange() { ++own_changes_; }
@@ -94,6 +103,10 @@ class IndexView {
   IndexView(std::string name, std::unique_ptr<IndexStore> writer, IndexReader lister)
       : name_(std::move(name)), writer_(std::move(writer)), lister_(std::move(lister)) {}
 
+  /// Error: kPermissionDenied for an index that cannot be written.
+  [[nodiscard]] Status CheckWriter() const;
+  /// A store that writes. Errors: those of CheckWriter and of OpenStore.
+  [[nodiscard]] Expected<std::unique_ptr<IndexStore>> OpenWriter() const;
   [[nodiscard]] Status Refresh();
   /// Reads the lists again if that is due. A failure is logged once.
   void TryRefresh();

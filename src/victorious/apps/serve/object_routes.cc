@@ -151,6 +151,46 @@ ApiExpected<ReviewChange> ParseReview(std::string_view body) {
   return review;
 }
 
+// The body of a regrouping.
+struct RegroupRequest {
+  TrackletGroups groups;
+  std::optional<std::int64_t> undo;  // the correction that is taken back
+};
+
+// Error: the field that is wrong.
+ApiExpected<RegroupRequest> ParseRegroupRequest(std::string_view body) {
+  constexpr std::size_t kMaxGroups = 20;
+  constexpr std::size_t kMaxMoments = 1000;
+  const auto json = ParseJson(body);
+  if (!json) return std::unexpected(ApiError(json.error()));
+  const auto wrong = [&] {
+    return FailField("groups", fmt::format("The body must be {{\"groups\": [[id of a moment, …], …]}}, with or without "
+                                           "\"undo\": number; at most {} groups and {} moments",
+                                           kMaxGroups, kMaxMoments));
+  };
+  if (!json->is_object()) return wrong();
+  RegroupRequest read;
+  std::size_t moments = 0;
+  for (const auto& [key, value] : json->items()) {
+    if (key == "undo" && value.is_number_integer()) {
+      read.undo = value.template get<std::int64_t>();
+      continue;
+    }
+    if (key != "groups" || !value.is_array() || value.size() > kMaxGroups) return wrong();
+    for (const auto& group : value) {
+      if (!group.is_array()) return wrong();
+      moments += group.size();
+      if (moments > kMaxMoments) return wrong();
+      std::vector<std::int64_t>& ids = read.groups.groups.emplace_back();
+      for (const auto& id : group) {
+        if (!id.is_number_integer()) return wrong();
+        ids.push_back(id.template get<std::int64_t>());
+      }
+    }
+  }
+  return read;
+}
+
 // The thresholds in force.
 ApiExpected<std::vector<ModelMinScore>> MinScores(IndexView& index) {
   VICTORIOUS_ASSIGN_OR_RETURN(const auto reader, index.Borrow());
@@ -363,6 +403,8 @@ ApiExpected<HttpResponse> ObjectRoutes::Thumbnail(const ApiCall& call) {
   VICTORIOUS_ASSIGN_OR_RETURN(const TriageObject found, FindObject(index_, call.parameters[0]));
   const std::int64_t object = found.object.id;
   VICTORIOUS_ASSIGN_OR_RETURN(const auto width, call.query.Integer("width", 32, 640));
+  // Part of the key of the browser's cache: the best sighting changes with the moments of the object.
+  [[maybe_unused]] const auto version = call.query.Text("v");
   VICTORIOUS_RETURN_IF_ERROR(call.query.CheckAllUsed());
   VICTORIOUS_ASSIGN_OR_RETURN(const auto lists, index_.Lists());
   std::optional<SightingRecord> best;
@@ -397,6 +439,27 @@ ApiExpected<HttpResponse> ObjectRoutes::PutReview(const ApiCall& call) {
                        {"review", ReviewToJson(reviewed.review)},
                        {"decisions", DecisionsToJson(reviewed.decisions)},
                        {"is_disputed", reviewed.is_disputed}});
+}
+
+ApiExpected<HttpResponse> ObjectRoutes::Regroup(const ApiCall& call) {
+  VICTORIOUS_ASSIGN_OR_RETURN(RegroupRequest wanted, ParseRegroupRequest(call.request.body));
+  wanted.groups.author = call.caller.name();
+  const RequestSlot slot(regroupings_);
+  if (!slot.is_taken()) {
+    return std::unexpected(ApiError(
+        Error{ErrorCode::kUnavailable, "objects are being joined or split for another: ask again in some seconds"}));
+  }
+  if (wanted.undo) {
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<std::int64_t> objects,
+                                index_.UndoRegroup(*wanted.undo, std::move(wanted.groups), call.cancel));
+    return JsonResponse({{"object_ids", objects}, {"correction", nullptr}});
+  }
+  auto regrouped = index_.Regroup(std::move(wanted.groups), call.cancel);
+  if (!regrouped) {
+    const bool is_of_groups = regrouped.error().code == ErrorCode::kInvalidArgument;
+    return std::unexpected(ApiError(std::move(regrouped.error()), is_of_groups ? "groups" : ""));
+  }
+  return JsonResponse({{"object_ids", regrouped->objects}, {"correction", regrouped->correction}});
 }
 
 }  // namespace victorious

@@ -24,11 +24,13 @@ class ObjectRoutes {
   ApiExpected<HttpResponse> Thumbnail(const ApiCall& call);
   ApiExpected<HttpResponse> Decisions(const ApiCall& call);
   ApiExpected<HttpResponse> PutReview(const ApiCall& call);
+  ApiExpected<HttpResponse> Regroup(const ApiCall& call);
 
  private:
   IndexView& index_;
   VideoFiles& videos_;
-  std::counting_semaphore<> packages_{1};  // each keeps a reader and a thread for long
+  std::counting_semaphore<> packages_{1};     // each keeps a reader and a thread for long
+  std::counting_semaphore<> regroupings_{1};  // each makes all objects anew
 };
 
 }  // namespace victorious

@@ -1,14 +1,10 @@
 #include "victorious/jobs/index/indexer.h"
 
-#include <filesystem>
 #include <string>
-#include <system_error>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "victorious/base/options.h"
-#include "victorious/input/terrain/terrain.h"
+#include "victorious/jobs/association_options.h"
 #include "victorious/jobs/index/index_run.h"
 #include "victorious/jobs/index/segmented_run.h"
 #include "victorious/jobs/model_engine.h"
@@ -16,18 +12,6 @@
 
 namespace victorious {
 namespace {
-
-// Of a ground that was made: its options, and the size and time of its files.
-std::string IdentifyGround(const GroundOptions& ground) {
-  std::string id = OptionsToJsonText(ground);
-  for (const std::string& file : {ground.terrain, ground.geoid_grid}) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(file, error);
-    const auto time = std::filesystem::last_write_time(file, error);
-    if (!file.empty() && !error) id += fmt::format(" {} {}", size, time.time_since_epoch().count());
-  }
-  return id;
-}
 
 // Updates the objects of the whole index, and passes on the warnings about the job's video.
 Status UpdateObjectsOf(const IndexSetup& setup, const IndexJob& job, const CancelToken& cancel, IndexStore& store,
@@ -56,8 +40,7 @@ Expected<Indexer> Indexer::Create(std::vector<ObjectModel> models, const IndexOp
   VICTORIOUS_RETURN_IF_ERROR(AdoptEngineOfModels(models, used.features, warn));
   VICTORIOUS_ASSIGN_OR_RETURN(setup.extractor, MakeFeatureExtractor(used.features));
   VICTORIOUS_ASSIGN_OR_RETURN(setup.kept_extractor, MakeFeatureExtractor(MakeKeptFeatureOptions(used.features)));
-  VICTORIOUS_ASSIGN_OR_RETURN(used.objects.ground, MakeGround(options.ground, warn));
-  if (used.objects.ground) used.objects.ground_id = IdentifyGround(options.ground);
+  VICTORIOUS_ASSIGN_OR_RETURN(used.objects, PrepareAssociation(used.objects, options.ground, warn));
   for (const ObjectModel& model : models) {
     setup.targets.push_back({.name = model.name, .content_id = model.id, .kind = model.kind});
   }

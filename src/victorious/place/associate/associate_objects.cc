@@ -18,6 +18,8 @@
 #include "victorious/place/associate/flight_fusion.h"
 #include "victorious/place/associate/flight_registration.h"
 #include "victorious/place/associate/length_error.h"
+#include "victorious/place/associate/link_constraints.h"
+#include "victorious/place/associate/linked_objects.h"
 #include "victorious/place/associate/merge_flights.h"
 #include "victorious/place/associate/neighbours.h"
 #include "victorious/place/associate/object_hypothesis.h"
@@ -153,7 +155,8 @@ PlacedObjects CollectObjectsInFlight(std::vector<ObjectHypothesis>& hypotheses, 
 
 // The parts of each object, by model and id.
 // @param hypotheses  by model and id
-std::vector<ObjectParts> MergeAcrossFlights(std::vector<ObjectHypothesis>& hypotheses, Fits& fits) {
+std::vector<ObjectParts> MergeAcrossFlights(std::vector<ObjectHypothesis>& hypotheses,
+                                            const LinkConstraints& constraints, Fits& fits) {
   const PlacedObjects placed = CollectObjectsInFlight(hypotheses, fits);
   const FlightRegistrations registrations = RegisterFlights(placed.objects, fits.options().merge_gate_sigma);
   std::map<std::int64_t, ObjectInFlights> of_models;
@@ -161,7 +164,7 @@ std::vector<ObjectParts> MergeAcrossFlights(std::vector<ObjectHypothesis>& hypot
   std::vector<ObjectParts> result;
   result.reserve(hypotheses.size());
   for (const auto& [model, of_model] : of_models) {
-    for (const ObjectInFlights& merged : MergeFlights(of_model, registrations, fits.options())) {
+    for (const ObjectInFlights& merged : MergeFlights(of_model, registrations, constraints, fits.options())) {
       ObjectParts& parts = result.emplace_back();
       for (const ObjectInFlight* part : merged)
         parts.push_back(placed.hypotheses[static_cast<std::size_t>(part - placed.objects.data())]);
@@ -183,6 +186,7 @@ struct Judged {
   ObjectRecord object;
   double tests = 0;
   PlaceFinding finding = PlaceFinding::kNothing;
+  double apart_m = 0;                   // between places that people say to be of one object
   double weight = 0;                    // of `finding`, by all objects of its flights
   std::int64_t confirming_objects = 0;  // of other models, in the same flights
 
@@ -243,12 +247,6 @@ Judged MakeObject(const ObjectHypothesis& hypothesis, double tests, const Object
   return judged;
 }
 
-std::set<std::int64_t> VideosOf(const ObjectHypothesis& hypothesis) {
-  std::set<std::int64_t> videos;
-  for (const ObservedTracklet* tracklet : hypothesis.tracklets) videos.insert(tracklet->record.video);
-  return videos;
-}
-
 // Weighs the findings of each flight. Of an object that several flights see, the mildest counts: the telemetry of one
 // being wrong is enough.
 void WeighPlaces(std::span<const ObjectHypothesis> hypotheses, const ObjectOptions& options,
@@ -300,10 +298,39 @@ void RejectWeak(const ObjectHypothesis& hypothesis, const ObjectOptions& options
                     judged.confirming_objects == 1 ? "confirms" : "confirm");
 }
 
+// Makes the second part of the first, which then has the place of one of them. The second is empty.
+void Join(ObjectHypothesis& into, Judged& judged, ObjectHypothesis& from, Judged& other, const SearchCounts& searches,
+          const ObjectOptions& options) {
+  const std::int64_t id = judged.object.id;
+  const double apart_m =
+      std::max({judged.apart_m, other.apart_m, DistanceApart_m(judged.object, other.object, options)});
+  if (IsPreferred(other.object, from, judged.object, into, options)) {
+    std::swap(into.estimate, from.estimate);
+    std::swap(judged, other);
+  }
+  std::ranges::copy(from.tracklets, std::back_inserter(into.tracklets));
+  std::ranges::sort(into.tracklets, {}, [](const ObservedTracklet* tracklet) { return tracklet->record.id; });
+  from.tracklets.clear();
+  ObjectRecord& object = judged.object;
+  object.id = std::min(id, into.tracklets.front()->record.id);
+  object.tracklets.clear();
+  for (const ObservedTracklet* tracklet : into.tracklets) object.tracklets.push_back(tracklet->record.id);
+  judged.tests = searches.TestsOf(into);
+  if (!object.rejected.empty()) {
+    const bool is_contradicted = !object.place_rejected.empty() || LengthFactor(into) != 1;
+    const double weight = is_contradicted ? judged.weight : 0;
+    if (!IsInsignificant(into, object.place.has_value(), judged.tests, options, weight)) object.rejected.clear();
+  }
+  judged.apart_m = apart_m;
+  Score(into, options, judged);
+  if (apart_m > 0) object.against.push_back(fmt::format("joined by a person: seen {:.0f} m apart", apart_m));
+}
+
 // Rejects and scores each of them, but for what other objects say beyond the heights of their videos and what their
 // places say of telemetry.
-std::vector<ObjectRecord> JudgeEach(std::span<const ObjectHypothesis> hypotheses, const SearchCounts& searches,
-                                    const ObjectOptions& options) {
+std::vector<ObjectRecord> JudgeEach(std::vector<ObjectHypothesis> hypotheses, const SearchCounts& searches,
+                                    const LinkConstraints& constraints, Fits& fits) {
+  const ObjectOptions& options = fits.options();
   std::vector<Judged> judged(hypotheses.size());
   oneapi::tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t i) {
     judged[i] = MakeObject(hypotheses[i], searches.TestsOf(hypotheses[i]), options);
@@ -325,9 +352,14 @@ std::vector<ObjectRecord> JudgeEach(std::span<const ObjectHypothesis> hypotheses
     RejectWeak(hypotheses[i], options, judged[i]);
     Score(hypotheses[i], options, judged[i]);
   });
+  JoinLinked(constraints, hypotheses, fits, [&](std::size_t into, std::size_t from) {
+    Join(hypotheses[into], judged[into], hypotheses[from], judged[from], searches, options);
+  });
   std::vector<ObjectRecord> objects;
   objects.reserve(judged.size());
-  for (Judged& one : judged) objects.push_back(std::move(one.object));
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    if (!hypotheses[i].tracklets.empty()) objects.push_back(std::move(judged[i].object));
+  }
   return objects;
 }
 
@@ -335,33 +367,34 @@ std::vector<ObjectRecord> JudgeEach(std::span<const ObjectHypothesis> hypotheses
 
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
                                              std::span<const TrackletOverlap> overlaps, const SearchCounts& searches,
-                                             Fits& fits) {
-  const ObjectOptions& options = fits.options();
+                                             const LinkConstraints& links, Fits& fits) {
   std::map<std::int64_t, const ObservedTracklet*> by_id;
   std::map<std::int64_t, std::vector<const ObservedTracklet*>> of_model;
   for (const ObservedTracklet* tracklet : tracklets) {
     by_id.emplace_hint(by_id.end(), tracklet->record.id, tracklet);
     of_model[tracklet->record.model].push_back(tracklet);
   }
+  LinkConstraints constraints = links;
+  for (const auto& [model, of_one] : of_model) SeparateFromGroups(of_one, fits, constraints);
   std::vector<ObjectHypothesis> of_flights;
   for (const auto& [model, of_one] : of_model)
-    std::ranges::move(MergeTracklets(of_one, fits), std::back_inserter(of_flights));
+    std::ranges::move(MergeTracklets(of_one, constraints, fits), std::back_inserter(of_flights));
   Flights flights;
   for (const ObjectHypothesis& hypothesis : of_flights) flights[VideoOf(hypothesis)].push_back(&hypothesis);
 
-  const std::vector<ObjectParts> all_parts = MergeAcrossFlights(of_flights, fits);
+  const std::vector<ObjectParts> all_parts = MergeAcrossFlights(of_flights, constraints, fits);
   std::vector<ObjectHypothesis> joined;
   joined.reserve(all_parts.size());
   for (const ObjectParts& parts : all_parts) joined.push_back(JoinParts(parts, flights, fits));
-  std::vector<ObjectRecord> objects = JudgeEach(joined, searches, options);
-  RejectOverlapping(objects, by_id, overlaps);
-  RejectCoincident(objects, by_id);
+  std::vector<ObjectRecord> objects = JudgeEach(std::move(joined), searches, constraints, fits);
+  RejectOverlapping(objects, by_id, overlaps, constraints);
+  RejectCoincident(objects, by_id, constraints);
   std::ranges::sort(objects, {}, &ObjectRecord::id);
   return objects;
 }
 
 std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, const SearchCounts& searches,
-                                             const ObjectOptions& options) {
+                                             const ObjectOptions& options, const LinkConstraints& constraints) {
   std::ranges::sort(tracklets, {}, [](const ObservedTracklet& tracklet) { return tracklet.record.id; });
   std::vector<const ObservedTracklet*> pointers;
   std::map<std::int64_t, std::vector<const ObservedTracklet*>> of_video;
@@ -373,7 +406,7 @@ std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> track
   std::vector<TrackletOverlap> overlaps;
   for (const auto& [video, of_one] : of_video) std::ranges::copy(FindOverlaps(of_one), std::back_inserter(overlaps));
   Fits fits(options);
-  return AssociateTracklets(pointers, overlaps, searches, fits);
+  return AssociateTracklets(pointers, overlaps, searches, constraints, fits);
 }
 
 }  // namespace victorious

@@ -20,6 +20,10 @@
 // flights, if that is known (flight_registration.h), and one that moves is compared by UTC, with none without it
 // (flight_fusion.h).
 //
+// What people say of the identity of tracklets (link_constraints.h) is obeyed: those between which a cannot-link stands
+// are never merged, and those of a must-link are joined in the end, whatever their places are. The joined object has
+// the place of one of its parts (linked_objects.h): an object that drove away was at both.
+//
 // The input is what the store holds (update_objects.h). The result is therefore independent of how often indexing was
 // interrupted.
 #pragma once
@@ -29,6 +33,7 @@
 #include <vector>
 
 #include "victorious/place/associate/fits.h"
+#include "victorious/place/associate/link_constraints.h"
 #include "victorious/place/associate/object_options.h"
 #include "victorious/place/associate/object_rejection.h"
 #include "victorious/place/associate/observed_tracklet.h"
@@ -42,13 +47,13 @@ namespace victorious {
 /// @param searches  in each of their videos: the more tests of the a contrario decision, the more significant an
 ///                  object must be
 std::vector<ObjectRecord> AssociateTracklets(std::vector<ObservedTracklet> tracklets, const SearchCounts& searches,
-                                             const ObjectOptions& options);
+                                             const ObjectOptions& options, const LinkConstraints& constraints = {});
 
 /// The same with given fits.
 /// @param tracklets  by id, with their summaries; content only as far as `fits` needs it
 /// @param overlaps   of all tracklets
 std::vector<ObjectRecord> AssociateTracklets(std::span<const ObservedTracklet* const> tracklets,
                                              std::span<const TrackletOverlap> overlaps, const SearchCounts& searches,
-                                             Fits& fits);
+                                             const LinkConstraints& constraints, Fits& fits);
 
 }  // namespace victorious

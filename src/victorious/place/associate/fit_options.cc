@@ -7,11 +7,12 @@ namespace victorious {
 namespace {
 
 // A field added to one of the structs does not compile here before it has a name here. If its struct lists it
-// (ListFields), nothing else is to be done; if not, AllFields below must list it.
+// (ListFields), nothing else is to be done; if not, AllFields below must list it, unless no fit depends on it
+// (`kept_json`).
 void CountFields(const ObjectOptions& options) {
   [[maybe_unused]] const auto& [merge_gate_sigma, max_merge_distance_m, min_inlier_fraction, max_size_ratio,
                                 false_alarm_rate, telemetry_errors, locate, motion_window_s, max_height_deviation_m,
-                                centre_height_m, centre_height_sigma_m, ground, ground_id] = options;
+                                centre_height_m, centre_height_sigma_m, ground, ground_id, kept_json] = options;
   [[maybe_unused]] const auto& [motion, method, identity_radius_m, distance_prior_allowance, gate_sigma, robust_sigma,
                                 ground_sigma_m, max_hypotheses, seed, line, common, locate_ground] = locate;
   [[maybe_unused]] const auto& [line_position_m, angle_deg, line_range_fraction] = line;

@@ -129,7 +129,8 @@ std::optional<ObjectInFlight> MakeObjectInFlight(ObjectHypothesis& of_one_flight
                         .absolute = {},
                         .utc_offset_s = {},
                         .first_s = FirstTime(of_one_flight),
-                        .last_s = LastTime(of_one_flight)};
+                        .last_s = LastTime(of_one_flight),
+                        .tracklets = of_one_flight.tracklets};
   flight.SetPlaces(of_one_flight.estimate, *absolute);
   if (tracklet.start_utc_us && !tracklet.is_of_photos) {
     flight.utc_offset_s = 1e-6 * static_cast<double>(*tracklet.start_utc_us);

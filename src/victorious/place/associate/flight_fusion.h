@@ -33,7 +33,8 @@ struct ObjectInFlight {
   std::optional<double> utc_offset_s;  ///< UTC minus the video's time, since an epoch that all flights share
   double first_s = 0;                  ///< of its sightings, UTC, or the video's time without it
   double last_s = 0;
-  double observations = 0;  ///< number of its bearing observations
+  double observations = 0;                             ///< number of its bearing observations
+  std::span<const ObservedTracklet* const> tracklets;  ///< of its hypothesis, which must outlive it
 
   [[nodiscard]] bool IsMoving() const { return relative.IsMoving(); }
 

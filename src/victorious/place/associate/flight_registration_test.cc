@@ -27,7 +27,7 @@ class TwoFlights {
     for (const ObjectInFlight& object : objects_) {
       if (object.model == 1) of_model.push_back(&object);
     }
-    const auto merged = MergeFlights(of_model, Register(), {});
+    const auto merged = MergeFlights(of_model, Register(), {}, {});
     return static_cast<std::size_t>(
         std::ranges::count_if(merged, [](const ObjectInFlights& flights) { return flights.size() == 2; }));
   }

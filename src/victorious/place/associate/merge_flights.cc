@@ -20,8 +20,10 @@ struct ObjectCluster {
 // The rules of merging across flights (agglomerate.h).
 class AcrossFlights {
  public:
-  AcrossFlights(const FlightRegistrations& registrations, const ObjectOptions& options)
+  AcrossFlights(const FlightRegistrations& registrations, const LinkConstraints& constraints,
+                const ObjectOptions& options)
       : registrations_(registrations),
+        constraints_(constraints),
         options_(options),
         neighbours_(options.max_merge_distance_m + registrations.MaxOffset_m()) {}
 
@@ -48,6 +50,7 @@ class AcrossFlights {
     for (const ObjectInFlight* of_a : a.flights) {
       for (const ObjectInFlight* of_b : b.flights) {
         if (of_a->video == of_b->video) return std::nullopt;
+        if (constraints_.CannotLink(of_a->tracklets, of_b->tracklets)) return std::nullopt;
         std::optional<PlaceDifference> difference = CompareFlights(*of_a, *of_b, moves);
         if (!difference) continue;
         FlightOffset& apart = difference->offset;
@@ -78,6 +81,7 @@ class AcrossFlights {
 
  private:
   const FlightRegistrations& registrations_;
+  const LinkConstraints& constraints_;
   const ObjectOptions& options_;
   Neighbours neighbours_;
 };
@@ -85,10 +89,11 @@ class AcrossFlights {
 }  // namespace
 
 std::vector<ObjectInFlights> MergeFlights(std::span<const ObjectInFlight* const> objects,
-                                          const FlightRegistrations& registrations, const ObjectOptions& options) {
+                                          const FlightRegistrations& registrations, const LinkConstraints& constraints,
+                                          const ObjectOptions& options) {
   std::vector<ObjectCluster> singles;
   for (const ObjectInFlight* object : objects) singles.push_back({.flights = {object}, .where = {}});
-  AcrossFlights rules(registrations, options);
+  AcrossFlights rules(registrations, constraints, options);
   std::vector<ObjectInFlights> merged;
   for (ObjectCluster& cluster : Agglomerate(std::move(singles), rules)) merged.push_back(std::move(cluster.flights));
   return merged;

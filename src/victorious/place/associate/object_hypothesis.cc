@@ -10,26 +10,10 @@
 
 #include "victorious/place/associate/agglomerate.h"
 #include "victorious/place/associate/fits.h"
+#include "victorious/place/associate/link_constraints.h"
 
 namespace victorious {
 namespace {
-
-bool HasCommonFrame(const ObservedTracklet& a, const ObservedTracklet& b, Fits& fits) {
-  const std::vector<std::int64_t>& of_a = fits.Frames(a);
-  const std::vector<std::int64_t>& of_b = fits.Frames(b);
-  if (of_a.empty() || of_b.empty()) return false;
-  if (of_a.back() < of_b.front() || of_b.back() < of_a.front()) return false;
-  std::vector<std::int64_t> both;
-  std::ranges::set_intersection(of_a, of_b, std::back_inserter(both));
-  return !both.empty();
-}
-
-bool HasCommonFrame(const ObjectHypothesis& a, const ObjectHypothesis& b, Fits& fits) {
-  return std::ranges::any_of(a.tracklets, [&](const ObservedTracklet* of_a) {
-    return std::ranges::any_of(b.tracklets,
-                               [&](const ObservedTracklet* of_b) { return HasCommonFrame(*of_a, *of_b, fits); });
-  });
-}
 
 // The distance of two hypotheses: Euclidean, and Mahalanobis with the errors of both.
 struct HypothesisDistance {
@@ -62,7 +46,8 @@ struct FlightCluster {
 // The rules of merging within one flight (agglomerate.h).
 class FlightRules {
  public:
-  explicit FlightRules(Fits& fits) : fits_(fits), options_(fits.options()) {}
+  FlightRules(const LinkConstraints& constraints, Fits& fits)
+      : constraints_(constraints), fits_(fits), options_(fits.options()) {}
 
   static std::int64_t Id(const FlightCluster& cluster) { return ObjectId(cluster.hypothesis); }
 
@@ -83,6 +68,7 @@ class FlightRules {
         DistanceBetween(a.hypothesis, b.hypothesis, WithPath(a.hypothesis, fits_), WithPath(b.hypothesis, fits_));
     if (!distance || distance->metres > options_.max_merge_distance_m) return std::nullopt;
     if (!(distance->sigmas <= options_.merge_gate_sigma)) return std::nullopt;
+    if (constraints_.CannotLink(a.hypothesis.tracklets, b.hypothesis.tracklets)) return std::nullopt;
     if (HasCommonFrame(a.hypothesis, b.hypothesis, fits_)) return std::nullopt;
     return distance->sigmas;
   }
@@ -102,6 +88,7 @@ class FlightRules {
     return (*a.static_centre - *b.static_centre).norm() > options_.max_merge_distance_m + kRounding_m;
   }
 
+  const LinkConstraints& constraints_;
   Fits& fits_;
   const ObjectOptions& options_;
   std::set<std::int64_t> ids_;
@@ -121,6 +108,25 @@ std::vector<BearingObservation> CollectObservations(const ObjectHypothesis& hypo
   std::ranges::stable_sort(observations, {},
                            [](const BearingObservation& observation) { return observation.line.time_s; });
   return observations;
+}
+
+bool HasCommonFrame(const ObservedTracklet& a, const ObservedTracklet& b, Fits& fits) {
+  if (a.record.video != b.record.video) return false;
+  if (a.record.last_time_s < b.record.first_time_s || b.record.last_time_s < a.record.first_time_s) return false;
+  const std::vector<std::int64_t>& of_a = fits.Frames(a);
+  const std::vector<std::int64_t>& of_b = fits.Frames(b);
+  if (of_a.empty() || of_b.empty()) return false;
+  if (of_a.back() < of_b.front() || of_b.back() < of_a.front()) return false;
+  std::vector<std::int64_t> both;
+  std::ranges::set_intersection(of_a, of_b, std::back_inserter(both));
+  return !both.empty();
+}
+
+bool HasCommonFrame(const ObjectHypothesis& a, const ObjectHypothesis& b, Fits& fits) {
+  return std::ranges::any_of(a.tracklets, [&](const ObservedTracklet* of_a) {
+    return std::ranges::any_of(b.tracklets,
+                               [&](const ObservedTracklet* of_b) { return HasCommonFrame(*of_a, *of_b, fits); });
+  });
 }
 
 double FirstTime(const ObjectHypothesis& hypothesis) {
@@ -154,7 +160,8 @@ const ObjectPlace& WithPath(ObjectHypothesis& hypothesis, Fits& fits) {
   return estimate;
 }
 
-std::vector<ObjectHypothesis> MergeTracklets(const std::vector<const ObservedTracklet*>& tracklets, Fits& fits) {
+std::vector<ObjectHypothesis> MergeTracklets(const std::vector<const ObservedTracklet*>& tracklets,
+                                             const LinkConstraints& constraints, Fits& fits) {
   std::map<std::int64_t, std::vector<FlightCluster>> of_video;
   for (const ObservedTracklet* tracklet : tracklets) {
     ObjectHypothesis alone{.tracklets = {tracklet}, .estimate = {}, .absolute = {}};
@@ -163,7 +170,7 @@ std::vector<ObjectHypothesis> MergeTracklets(const std::vector<const ObservedTra
   }
   std::vector<ObjectHypothesis> hypotheses;
   for (auto& [video, singles] : of_video) {
-    FlightRules rules(fits);
+    FlightRules rules(constraints, fits);
     for (FlightCluster& cluster : Agglomerate(std::move(singles), rules))
       hypotheses.push_back(std::move(cluster.hypothesis));
   }

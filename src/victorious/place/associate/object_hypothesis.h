@@ -12,6 +12,7 @@
 namespace victorious {
 
 class Fits;
+class LinkConstraints;
 
 /// Tracklets that may be one object.
 struct ObjectHypothesis {
@@ -35,6 +36,10 @@ struct ObjectHypothesis {
                                         double common_fraction,
                                         const std::optional<std::optional<SizeRatio>>& size_ratio = std::nullopt);
 
+/// Whether a frame shows both. What different videos show has none in common.
+[[nodiscard]] bool HasCommonFrame(const ObservedTracklet& a, const ObservedTracklet& b, Fits& fits);
+[[nodiscard]] bool HasCommonFrame(const ObjectHypothesis& a, const ObjectHypothesis& b, Fits& fits);
+
 /// The time of the first and of the last sighting, s of the video.
 [[nodiscard]] double FirstTime(const ObjectHypothesis& hypothesis);
 [[nodiscard]] double LastTime(const ObjectHypothesis& hypothesis);
@@ -49,9 +54,10 @@ const ObjectPlace& WithPath(ObjectHypothesis& hypothesis, Fits& fits);
 /// Merges the tracklets of one model that are of one video, nearest pair (Mahalanobis) first, until no pair passes the
 /// gates (associate_objects.h). Cost: two fits a tracklet and one a merge, and a distance for each pair of one video;
 /// for two that are static and farther apart than `max_merge_distance_m`, some nanoseconds.
-/// @param tracklets  by id; must outlive the result
+/// @param tracklets    by id; must outlive the result
+/// @param constraints  those between which a cannot-link stands are not merged
 /// @return by id
 [[nodiscard]] std::vector<ObjectHypothesis> MergeTracklets(const std::vector<const ObservedTracklet*>& tracklets,
-                                                           Fits& fits);
+                                                           const LinkConstraints& constraints, Fits& fits);
 
 }  // namespace victorious

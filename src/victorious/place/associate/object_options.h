@@ -57,6 +57,8 @@ struct ObjectOptions {
   std::shared_ptr<const Ground> ground;  ///< under the objects, or null; given with the videos. Not a user parameter
   /// Identifies `ground`: another text for another ground. Empty: fits on it are not kept. Not a user parameter.
   std::string ground_id;
+  /// How the index keeps the parameters with the objects; empty: not. Not a user parameter.
+  std::string kept_json;
 
   void ListFields(FieldList& fields);
 

@@ -316,7 +316,7 @@ std::vector<TrackletOverlap> FindOverlaps(std::span<const ObservedTracklet* cons
 
 void RejectOverlapping(std::vector<ObjectRecord>& objects,
                        const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
-                       std::span<const TrackletOverlap> overlaps) {
+                       std::span<const TrackletOverlap> overlaps, const LinkConstraints& constraints) {
   if (overlaps.empty()) return;
   std::map<std::int64_t, std::vector<const TrackletOverlap*>> of_tracklet;
   std::map<std::int64_t, std::size_t> object_of;  // indices into `objects`, by tracklet that overlaps another
@@ -346,6 +346,7 @@ void RejectOverlapping(std::vector<ObjectRecord>& objects,
       if (!more.rejected.empty()) continue;
       if (is_same_model ? !HasMoreEvidence(more, less, tracklets) : !HasMoreFrames(more, less, tracklets)) continue;
       if (2 * frames < CountObjectFrames(less, tracklets)) continue;
+      if (constraints.CannotLink(more.tracklets, less.tracklets)) continue;
       less.rejected = fmt::format("in the same {} as object {}", is_same_model ? "space" : "pixels", more.id);
       break;
     }
@@ -353,7 +354,8 @@ void RejectOverlapping(std::vector<ObjectRecord>& objects,
 }
 
 void RejectCoincident(std::vector<ObjectRecord>& objects,
-                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets) {
+                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
+                      const LinkConstraints& constraints) {
   PlaceGrid grid(kMinSeparation_m);  // indices into `objects`
   for (std::size_t i = 0; i < objects.size(); ++i) {
     if (objects[i].place) grid.Add(objects[i].place->point, static_cast<std::int64_t>(i));
@@ -367,6 +369,7 @@ void RejectCoincident(std::vector<ObjectRecord>& objects,
       if (!HasMoreFrames(more, less, tracklets)) continue;
       if (less.place->IsMoving() || more.place->IsMoving()) continue;
       if (plane.EnuFromGeodetic(more.place->point).norm() >= kMinSeparation_m) continue;
+      if (constraints.CannotLink(more.tracklets, less.tracklets)) continue;
       less.rejected = fmt::format("at the same place as object {}", more.id);
       break;
     }

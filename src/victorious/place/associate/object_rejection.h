@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "victorious/place/associate/flight_evidence.h"
+#include "victorious/place/associate/link_constraints.h"
 #include "victorious/place/associate/object_hypothesis.h"
 
 namespace victorious {
@@ -91,15 +92,18 @@ void RejectPlace(std::string reason, ObjectRecord& object);
 /// Rejects the less-observed of two CAD objects of different models in the same pixels, where one would occlude the
 /// other, and of two of one model in the same space the one with less evidence (sum of the log odds of its scores): if
 /// they overlap in half of its frames.
-/// @param tracklets  of all objects, by id
-/// @param overlaps   of all tracklets
+/// @param tracklets    of all objects, by id
+/// @param overlaps     of all tracklets
+/// @param constraints  objects between which a cannot-link stands are two, whatever they overlap
 void RejectOverlapping(std::vector<ObjectRecord>& objects,
                        const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
-                       std::span<const TrackletOverlap> overlaps);
+                       std::span<const TrackletOverlap> overlaps, const LinkConstraints& constraints);
 
 /// Rejects the less-observed of two coincident static objects.
-/// @param tracklets  of all objects, by id
+/// @param tracklets    of all objects, by id
+/// @param constraints  likewise
 void RejectCoincident(std::vector<ObjectRecord>& objects,
-                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets);
+                      const std::map<std::int64_t, const ObservedTracklet*>& tracklets,
+                      const LinkConstraints& constraints);
 
 }  // namespace victorious

@@ -16,6 +16,7 @@
 #include "victorious/place/associate/associate_objects.h"
 #include "victorious/place/associate/flight_errors.h"
 #include "victorious/place/associate/kept_fits.h"
+#include "victorious/place/associate/link_constraints.h"
 #include "victorious/place/associate/observed_tracklet.h"
 #include "victorious/place/associate/search_counts.h"
 #include "victorious/types/searched_frames.h"
@@ -162,8 +163,9 @@ Expected<ObjectUpdate> MakeObjects(const ObjectOptions& options, IndexStore& sto
     tell(video, notes);
   }
   VICTORIOUS_ASSIGN_OR_RETURN(const SearchCounts searches, CountFullFrameSearches(models, videos, store));
-  ObjectUpdate update;
-  update.objects = AssociateTracklets(tracklets, fits->overlaps(), searches, *fits);
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletLink> links, store.TrackletLinks());
+  ObjectUpdate update{.objects = {}, .put_fits = {}, .deleted_fits = {}, .options_json = options.kept_json};
+  update.objects = AssociateTracklets(tracklets, fits->overlaps(), searches, LinkConstraints(links), *fits);
   VICTORIOUS_RETURN_IF_ERROR(fits->status());
   fits->AddChanges(update);
   return update;

@@ -39,7 +39,7 @@ std::span<const Migration> Migrations() {
       Migration{9, kSchema009},  Migration{10, kSchema010}, Migration{11, kSchema011}, Migration{12, kSchema012},
       Migration{13, kSchema013}, Migration{14, kSchema014}, Migration{15, kSchema015}, Migration{16, kSchema016},
       Migration{17, kSchema017}, Migration{18, kSchema018}, Migration{19, kSchema019}, Migration{20, kSchema020},
-      Migration{21, kSchema021}, Migration{22, kSchema022}, Migration{23, kSchema023}};
+      Migration{21, kSchema021}, Migration{22, kSchema022}, Migration{23, kSchema023}, Migration{24, kSchema024}};
   return kMigrations;
 }
 

@@ -31,4 +31,15 @@ AuditRecord AuditOfReview(std::int64_t object, const Review& review, const std::
           .detail = DumpJson(detail)};
 }
 
+AuditRecord AuditOfGroups(std::int64_t correction, const TrackletGroups& groups) {
+  Json detail = Json::object();
+  if (!groups.groups.empty()) detail["moments"] = groups.groups;
+  return {.id = 0,
+          .time_utc_us = groups.made_utc_us,
+          .actor = groups.author,
+          .action = groups.groups.empty() ? "undo_regroup" : "regroup",
+          .subject = fmt::format("correction {}", correction),
+          .detail = DumpJson(detail)};
+}
+
 }  // namespace victorious::sql

@@ -19,4 +19,7 @@ inline constexpr std::string_view kInsertAudit =
 [[nodiscard]] AuditRecord AuditOfReview(std::int64_t object, const Review& review, const std::string& model,
                                         const std::string& video, std::int64_t frame);
 
+/// The entry of what a person says of the identity of tracklets; without groups, of taking that back.
+[[nodiscard]] AuditRecord AuditOfGroups(std::int64_t correction, const TrackletGroups& groups);
+
 }  // namespace victorious::sql

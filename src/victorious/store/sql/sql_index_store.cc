@@ -140,6 +140,16 @@ Status DeleteFits(Database& database, std::span<const FitKey> fits) {
       "DELETE FROM kept_fits WHERE (tracklet_id, key) IN (SELECT tracklet_id, key FROM given)");
 }
 
+// Writes only what differs: most updates have the options of the one before.
+Status PutAssociationOptions(Database& database, const std::string& json) {
+  if (json.empty()) return {};
+  VICTORIOUS_RETURN_IF_ERROR(
+      database.Write("INSERT INTO association_options (id, json) VALUES (1, ?) ON CONFLICT (id) DO UPDATE SET "
+                     "json = excluded.json WHERE association_options.json <> excluded.json",
+                     ValueList(json)));
+  return {};
+}
+
 }  // namespace
 
 Error MissingRow(std::string_view name, std::string_view what, std::int64_t id) {
@@ -331,7 +341,14 @@ Status SqlIndexStore::WriteUpdate(const ObjectUpdate& update) {
   VICTORIOUS_RETURN_IF_ERROR(PutObjects(update.objects));
   VICTORIOUS_RETURN_IF_ERROR(DeleteFits(*database_, update.deleted_fits));
   VICTORIOUS_RETURN_IF_ERROR(PutFits(update.put_fits));
+  VICTORIOUS_RETURN_IF_ERROR(PutAssociationOptions(*database_, update.options_json));
   return change.Commit();
+}
+
+Expected<std::string> SqlIndexStore::AssociationOptions() {
+  VICTORIOUS_ASSIGN_OR_RETURN(auto json, database_->ReadOne("SELECT json FROM association_options", ValueList(),
+                                                            [](const Row& row) { return row.Text(0); }));
+  return std::move(json).value_or(std::string());
 }
 
 Status SqlIndexStore::VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) {
@@ -372,6 +389,7 @@ Status SqlIndexStore::ReadEverything(const std::function<Status(const Status&)>&
   VICTORIOUS_RETURN_IF_ERROR(add(status(Models())));
   VICTORIOUS_RETURN_IF_ERROR(add(status(Objects({.include_rejected = true}))));
   VICTORIOUS_RETURN_IF_ERROR(add(status(Reviews())));
+  VICTORIOUS_RETURN_IF_ERROR(add(status(TrackletLinks())));
   VICTORIOUS_RETURN_IF_ERROR(add(VisitSightings({.include_rejected = true}, [](SightingRecord&&) { return true; })));
   return add(VisitKeptFrames({}, [](KeptFrame&&) { return true; }));
 }

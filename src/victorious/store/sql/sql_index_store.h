@@ -45,6 +45,7 @@ class SqlIndexStore : public IndexStore {
   [[nodiscard]] Expected<std::vector<CoveredTime>> CoveredTimes(const std::string& source) override;
   [[nodiscard]] Expected<std::vector<TrackletRecord>> Tracklets() override;
   [[nodiscard]] Status PutObjects(std::span<const ObjectRecord> objects) override;
+  [[nodiscard]] Expected<std::string> AssociationOptions() override;
   [[nodiscard]] Status PutFits(std::span<const KeptFit> fits) override;
   [[nodiscard]] Status VisitKeptFits(const std::function<bool(KeptFit&&)>& visit) override;
   [[nodiscard]] Expected<std::vector<std::byte>> FindKeptPath(const FitKey& key) override;
@@ -58,12 +59,18 @@ class SqlIndexStore : public IndexStore {
   [[nodiscard]] Status PutReview(std::int64_t object, const Review& review) override;
   [[nodiscard]] Expected<std::vector<ReviewedObject>> Reviews() override;
   [[nodiscard]] Expected<std::vector<Review>> Decisions(std::int64_t object) override;
+  [[nodiscard]] Expected<std::int64_t> PutTrackletGroups(const TrackletGroups& groups) override;
+  [[nodiscard]] Status DeleteTrackletGroups(std::int64_t correction, const std::string& author,
+                                            std::int64_t made_utc_us) override;
+  [[nodiscard]] Expected<std::vector<TrackletLink>> TrackletLinks() override;
   [[nodiscard]] Expected<std::int64_t> ChangeNumber() override;
 
  protected:
   explicit SqlIndexStore(std::unique_ptr<Database> database) : database_(std::move(database)) {}
 
   [[nodiscard]] Database& database() { return *database_; }
+  /// Another text after each correction of what tracklets are one object.
+  [[nodiscard]] Expected<std::string> CorrectionsMark();
   /// Stores an update in one transaction, or in the present one.
   [[nodiscard]] Status WriteUpdate(const ObjectUpdate& update);
   /// Reads every value. `add` is given what each part of it ended with, and returns an error to stop.
@@ -98,10 +105,13 @@ class SqlIndexStore : public IndexStore {
 /// Returns the id of a text of options, which is added if need be. Inside a transaction.
 [[nodiscard]] Expected<std::int64_t> PutOptions(Database& database, const std::string& json);
 
+/// From tracklets on, the tables of a query of their first sightings. Aliases: t for the tracklet, v for its video, m
+/// for its model, s for the sighting.
+[[nodiscard]] std::string FromFirstSightings(Dialect dialect);
 /// The tables of a query of reviews with the sightings that they may belong to, from tracklets on. Aliases: t for the
 /// tracklet, v for its video, m for its model, r for the review, s for the tracklet's sighting in the review's frame.
 [[nodiscard]] std::string FromReviewedTracklets(Dialect dialect);
-/// The condition that the review r belongs to the sighting s.
+/// The condition that the review r, or another row with a box, belongs to the sighting s.
 [[nodiscard]] std::string IsReviewOfSighting(Dialect dialect);
 
 }  // namespace victorious::sql

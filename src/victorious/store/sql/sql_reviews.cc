@@ -16,16 +16,6 @@ namespace {
 constexpr std::string_view kKey =
     "video_content_id, model_name, frame, box_x_px, box_y_px, box_width_px, box_height_px";
 
-// The first sighting of each tracklet of an object, s.
-std::string FromFirstSightings(Dialect dialect) {
-  return fmt::format(
-      "FROM tracklets t JOIN videos v ON v.id = t.video_id JOIN models m ON m.id = t.model_id "
-      "JOIN sightings s ON s.video_id = t.video_id AND s.tracklet_id = t.id AND s.frame = "
-      "(SELECT min(f.frame) FROM sightings f{} WHERE f.video_id = t.video_id AND f.tracklet_id = t.id) "
-      "WHERE t.object_id = ?",
-      IndexedBy(dialect, "sightings_by_tracklet"));
-}
-
 // The length of what two boxes share along an axis.
 std::string SharedLength(Dialect dialect, std::string_view from, std::string_view length) {
   return Greater(dialect, "0",
@@ -43,12 +33,12 @@ struct FirstPlace {
 };
 
 Expected<std::optional<FirstPlace>> FindFirstPlace(Database& database, std::int64_t object) {
-  return database.ReadOne(fmt::format("SELECT m.name, v.content_id, s.frame {} ORDER BY t.id LIMIT 1",
-                                      FromFirstSightings(database.dialect())),
-                          ValueList(object), [](const Row& row) {
-                            return FirstPlace{
-                                .model_name = row.Text(0), .video_content_id = row.Text(1), .frame = row.Integer(2)};
-                          });
+  return database.ReadOne(
+      fmt::format("SELECT m.name, v.content_id, s.frame {} WHERE t.object_id = ? ORDER BY t.id LIMIT 1",
+                  FromFirstSightings(database.dialect())),
+      ValueList(object), [](const Row& row) {
+        return FirstPlace{.model_name = row.Text(0), .video_content_id = row.Text(1), .frame = row.Integer(2)};
+      });
 }
 
 Status AddReview(Database& database, std::int64_t object, const Review& review) {
@@ -56,6 +46,7 @@ Status AddReview(Database& database, std::int64_t object, const Review& review) 
   VICTORIOUS_RETURN_IF_ERROR(database.Write(
       fmt::format("INSERT INTO reviews ({0}, verdict, note, updated_utc_us, reviewer) SELECT v.content_id, m.name, "
                   "s.frame, s.box_x_px, s.box_y_px, s.box_width_px, s.box_height_px, CAST(? AS text), ?, ?, ? {1} "
+                  "WHERE t.object_id = ? "
                   "ON CONFLICT ({0}, reviewer) DO UPDATE SET verdict = excluded.verdict, note = excluded.note, "
                   "updated_utc_us = excluded.updated_utc_us",
                   kKey, FromFirstSightings(database.dialect())),
@@ -69,6 +60,14 @@ Status AddReview(Database& database, std::int64_t object, const Review& review) 
 }
 
 }  // namespace
+
+std::string FromFirstSightings(Dialect dialect) {
+  return fmt::format(
+      "FROM tracklets t JOIN videos v ON v.id = t.video_id JOIN models m ON m.id = t.model_id "
+      "JOIN sightings s ON s.video_id = t.video_id AND s.tracklet_id = t.id AND s.frame = "
+      "(SELECT min(f.frame) FROM sightings f{} WHERE f.video_id = t.video_id AND f.tracklet_id = t.id)",
+      IndexedBy(dialect, "sightings_by_tracklet"));
+}
 
 std::string FromReviewedTracklets(Dialect dialect) {
   return fmt::format(

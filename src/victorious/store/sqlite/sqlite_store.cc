@@ -41,14 +41,18 @@ std::string AddDecisions(std::string_view from, std::string_view where) {
 }  // namespace
 
 Status SqliteStore::UpdateObjects(const std::function<Expected<ObjectUpdate>()>& make, const CancelToken& /*cancel*/) {
-  // A process that changes the index again and again meanwhile will itself update the objects.
+  // A process that changes the index again and again meanwhile will itself update the objects; one that corrected them
+  // may have done so already.
   constexpr int kMaxTries = 3;
   for (int tries = 1;; ++tries) {
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t before, ChangeNumber());
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string corrections, CorrectionsMark());
     VICTORIOUS_ASSIGN_OR_RETURN(const ObjectUpdate update, make());
     VICTORIOUS_ASSIGN_OR_RETURN(sql::Change change, sql::Change::Begin(database(), sql::Exclusion::kAll));
     VICTORIOUS_ASSIGN_OR_RETURN(const std::int64_t now, ChangeNumber());
     if (now != before && tries < kMaxTries) continue;
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::string corrections_now, CorrectionsMark());
+    if (corrections_now != corrections) continue;
     VICTORIOUS_RETURN_IF_ERROR(WriteUpdate(update));
     return change.Commit();
   }
