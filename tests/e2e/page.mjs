@@ -657,7 +657,7 @@ async function videos(page) {
   const wanted = shownIn.map((id) => `${timesIn(id).map((one) => one.toFixed(1)).join(" – ")} s in ${nameOf(id).replace(/.*\//, "")}`);
   await becomes(async () => (await page.locator(".inspector .seen dd").allInnerTexts()).map((one) => one.replace(/ \(.*/, "")).join("; "), wanted.join("; "));
   await becomes(() => page.locator(`#object-${twice.id} .facts`).first().innerText(), /^\d+\.\d – \d+\.\d s here$/);
-  await page.locator(".inspector .seen button").nth(1).click();
+  await page.locator(".inspector .seen dd button").nth(1).click();
   await becomes(() => page.locator(".stage .corner").innerText(), nameOf(shownIn[1]).replace(/.*\//, ""));
   const saved = async (item) => {
     const [file] = await Promise.all([page.waitForEvent("download"), saveAs(page, item)]);
@@ -1832,6 +1832,54 @@ async function notes(page) {
   }
 }
 
+/** Objects that are one are joined, and moments of another one split off; both are taken back, also after a reload. */
+async function grouping(page) {
+  await page.goto("/");
+  await page.waitForSelector(SELECTED);
+  const groups = async () => {
+    const { objects } = await api(page, "/objects");
+    return JSON.stringify(objects.map(({ moments }) => moments.map(({ id }) => id).sort()).sort());
+  };
+  const rows = async () => (await page.locator("[role=option]").evaluateAll((all) => all.map((one) => Number(one.id.replace("object-", ""))))).sort().join();
+  const mark = (id) => page.click(`#object-${id}`, { modifiers: ["Control"] });
+  const becomeObjects = async (wanted, selected) => {
+    await becomes(groups, JSON.stringify(wanted));
+    await becomes(rows, wanted.map(([id]) => id).join());
+    await becomes(() => selectedId(page), selected);
+  };
+  await becomeObjects([[1], [2], [3], [4]], 1);
+
+  const join = page.locator(".marked-bar").getByRole("button", { name: "Join" });
+  for (const id of [1, 3]) await mark(id);
+  await becomes(() => join.getAttribute("title"), /different models.*: common, rare/);
+  await becomes(() => join.getAttribute("aria-disabled"), "true");
+  for (const id of [3, 2]) await mark(id);
+  await becomes(() => join.getAttribute("aria-disabled"), "false");
+  await page.keyboard.press("g");
+  await page.locator(".notice", { hasText: "Joined 2 objects." }).waitFor();
+  await becomeObjects([[1, 2], [3], [4]], 1);
+  assert.equal(await page.locator(".marked-bar").count(), 0);
+  await page.reload();
+  await page.waitForSelector(SELECTED);
+  await page.keyboard.press("u");
+  await becomeObjects([[1], [2], [3], [4]], 1);
+
+  for (const id of [1, 2]) await mark(id);
+  await join.click();
+  await becomeObjects([[1, 2], [3], [4]], 1);
+  await page.locator(".inspector").getByRole("button", { name: "2 moments" }).click();
+  await page.locator(".inspector .moment input").nth(1).check();
+  await checkAccessible(page, "moments");
+  await page.locator(".inspector").getByRole("button", { name: "split off 1 moment" }).click();
+  const told = page.locator(".notice", { hasText: "Split object 1: 1 moment is object 2." });
+  await told.waitFor();
+  await becomeObjects([[1], [2], [3], [4]], 1);
+  await told.getByRole("button", { name: "Show" }).click();
+  await becomes(() => selectedId(page), 2);
+  await page.keyboard.press("u");
+  await becomeObjects([[1, 2], [3], [4]], 1);
+}
+
 const [scenario, url, ...inputs] = process.argv.slice(2);
 if (!existsSync(BROWSER)) {
   console.log(`SKIPPED: ${BROWSER} is not installed`);
@@ -1854,7 +1902,7 @@ try {
     const isOfBaseMap = scenario === "tiles" && request.url().startsWith(JSON.parse(inputs[0]).origin ?? url);
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(url) && !isOfBaseMap) faults.push(`asks ${request.url()}`);
   });
-  await { triage, link, frames, coverage, copies, images, many, thresholds, tiles, turning, accessible, live, zoomed, jobs, steps, workers, accounts, videos, narrow, tabs, notes }[scenario](page, inputs);
+  await { triage, link, frames, coverage, copies, images, many, thresholds, tiles, turning, accessible, live, zoomed, jobs, steps, workers, accounts, videos, narrow, tabs, notes, grouping }[scenario](page, inputs);
   if (!hasMap) await becomes(() => page.locator(".map [role=alert]").innerText(), /needs WebGL/);
   assert.deepEqual(faults, []);
 } finally {

@@ -73,6 +73,10 @@ class PageTest(page.PageTest):
         """Twenty objects of "common" with scores from 0.99 down to 0.04, four of "rare"."""
         self.drive("thresholds", self.draw_index([*((1, 0.99 - 0.05 * n) for n in range(20)), *((2, 0.1 * n) for n in range(1, 5))]))
 
+    def test_grouping(self):
+        """Objects are joined and split by a person: three of "common", one of "rare"."""
+        self.drive("grouping", self.draw_index([(1, 0.9), (1, 0.8), (2, 0.7), (1, 0.6)]))
+
     def test_base_map(self):
         """Tiles of a server on another port, of a PMTiles file with images, and of one with vectors."""
         db = self.draw_index([(1, 0.9)])

@@ -13,7 +13,7 @@ import { select, showTime, step } from "./selection";
 import { account } from "./session";
 import * as thresholds from "./thresholds";
 import {
-  cameraPath, filters, frameTable, indexVersion, isConnected, isOnlyMatching, project, selectedId, setFilters, shownFrame, sort, videoId, videos,
+  cameraPath, detail, filters, frameTable, indexVersion, isConnected, isOnlyMatching, project, selectedId, setFilters, shownFrame, sort, videoId, videos,
 } from "./state";
 
 const RETRY_MS = 3000;
@@ -65,7 +65,8 @@ export async function refresh() {
     const [summary, found] = await Promise.all([getProject(), listVideos()]);
     const isFirst = objects.list.peek()?.total === 0 && summary.objects > 0;
     if (isFirst) objects.setQueueTime(summary.now_utc_us);
-    await Promise.all([objects.refreshCounts(), objects.reread(selectedId.peek()), thresholds.load()]);
+    const [isThere] = await Promise.all([objects.reread(selectedId.peek()), objects.refreshCounts(), thresholds.load()]);
+    if (!isThere) await followSelected();
     if (isFirst) await showNew();
     batch(() => {
       project.value = { state: "ready", value: summary };
@@ -81,9 +82,20 @@ export async function refresh() {
   }
 }
 
-/** Makes the list anew, with what was found since it was made. */
-export async function showNew() {
-  await objects.loadList(sort.peek(), filters.peek(), isOnlyMatching.peek());
+/** The selected object is not there any more: that which it was joined into is selected, or none. */
+async function followSelected() {
+  const id = selectedId.peek();
+  const known = detail.peek();
+  const key = known?.state === "ready" && known.value.id === id ? known.value.key : null;
+  const now = key === null ? null : await objects.idOfKey(key);
+  if (selectedId.peek() !== id) return;
+  if (now === null) selectedId.value = null;
+  else select(now, { seek: false });
+}
+
+/** Makes the list anew, with what was found since it was made. @param also  is done in the moment in which it is shown */
+export async function showNew(also?: () => void) {
+  await objects.loadList(sort.peek(), filters.peek(), isOnlyMatching.peek(), also);
 }
 
 let isLive = false;

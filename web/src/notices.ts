@@ -9,7 +9,7 @@ export interface Notice {
   kind: "info" | "error";
   /** A later message about the same takes its place. */
   about: string;
-  action: NoticeAction | null;
+  actions: readonly NoticeAction[];
   /** What may be added to what it says. */
   choices: readonly NoticeChoice[];
 }
@@ -18,6 +18,8 @@ export interface Notice {
 export interface NoticeAction {
   label: string;
   run: () => void;
+  /** The message stands on after it. */
+  keepsNotice?: boolean;
 }
 export interface NoticeChoice extends NoticeAction {
   key: string;
@@ -28,11 +30,11 @@ let nextNotice = 0;
 
 /** Returns the number of the message. */
 export function notify(
-  text: string, kind: Notice["kind"] = "info", about = text, action: NoticeAction | null = null, choices: readonly NoticeChoice[] = [],
+  text: string, kind: Notice["kind"] = "info", about = text, actions: readonly NoticeAction[] = [], choices: readonly NoticeChoice[] = [],
 ): number {
   const id = nextNotice++;
-  notices.value = [...notices.value.filter((one) => one.about !== about), { id, text, kind, about, action, choices }];
-  setTimeout(() => dismiss(id), kind === "error" ? 12_000 : action !== null ? 7000 : 4000);
+  notices.value = [...notices.value.filter((one) => one.about !== about), { id, text, kind, about, actions, choices }];
+  setTimeout(() => dismiss(id), kind === "error" ? 12_000 : actions.length > 0 ? 7000 : 4000);
   return id;
 }
 

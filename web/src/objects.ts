@@ -28,6 +28,8 @@ export const listVersion = signal(0);
 export const counts = signal<Counts | null>(null);
 /** Objects of the index when the list was made; null before. */
 export const listedAll = signal<number | null>(null);
+/** The list has objects that were joined, split or removed. */
+export const isListOld = signal(false);
 /** How many objects match the filters; null: not known yet. */
 export const matching = signal<number | null>(null);
 /** Of the objects that match all filters but that of the score; null: those of all, or not known yet. */
@@ -83,8 +85,8 @@ const withParams = (params: URLSearchParams, more: Record<string, number>) => {
   return all;
 };
 
-/** Begins the list anew, with its first page. */
-export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boolean) {
+/** Begins the list anew, with its first page. @param also  is done in the moment in which it is shown */
+export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boolean, also?: () => void) {
   const params = paramsOf(sort, isOnlyMatching ? filters : null);
   const key = params.toString();
   listKey = key;
@@ -102,6 +104,8 @@ export async function loadList(sort: Sort, filters: Filters, isOnlyMatching: boo
     counts.value = all;
     listedAll.value = all.objects;
     listVersion.value++;
+    isListOld.value = false;
+    also?.();
   });
 }
 
@@ -199,11 +203,26 @@ export async function idOfKey(key: string): Promise<number | null> {
 
 /** Loads objects by id, unless they are known. */
 export async function needObjects(ids: readonly number[]) {
-  const missing = [...new Set(ids)].filter((id) => !known.has(id));
-  for (let i = 0; i < missing.length; i += 500) {
-    remember((await listObjects(new URLSearchParams({ ids: missing.slice(i, i + 500).join(",") }))).objects);
+  await readAgain(ids.filter((id) => !known.has(id)));
+}
+
+/** Loads objects by id, as they are now. */
+export async function readAgain(ids: readonly number[]) {
+  const wanted = [...new Set(ids)];
+  for (let i = 0; i < wanted.length; i += 500) {
+    remember((await listObjects(new URLSearchParams({ ids: wanted.slice(i, i + 500).join(",") }))).objects);
   }
 }
+
+/** Objects that are not in the index any more. */
+export function forget(ids: readonly number[]) {
+  for (const id of ids) known.delete(id);
+  version.value++;
+}
+
+/** The objects, of those that are known, that these moments are of. */
+export const holding = (moments: ReadonlySet<number>): number[] =>
+  [...known.values()].filter((one) => one.moments.some(({ id }) => moments.has(id))).map(({ id }) => id);
 
 /** All objects that match, in an order: page after page, so that no answer of the server is large. */
 export async function loadAll(sort: Sort, filters: Filters, enough = Infinity): Promise<FoundObject[]> {
@@ -222,15 +241,20 @@ export async function loadAll(sort: Sort, filters: Filters, enough = Infinity): 
 /** Positions of the list that are on the screen. */
 let shownRows: [number, number] = [0, -1];
 
-/** Reads again what is on the screen: others may have reviewed it. */
-export async function reread(selected: number | null) {
+/** Reads again what is on the screen: others may have reviewed it. Returns whether the selected object is still there. */
+export async function reread(selected: number | null): Promise<boolean> {
   const shown = list.peek();
   const ids = new Set(selected === null ? [] : [selected]);
   for (let at = shownRows[0]; at <= shownRows[1]; at++) {
     const id = shown?.at(at);
     if (id !== undefined) ids.add(id);
   }
-  if (ids.size > 0) remember((await listObjects(new URLSearchParams({ ids: [...ids].join(",") }))).objects);
+  if (ids.size === 0) return true;
+  const found = (await listObjects(new URLSearchParams({ ids: [...ids].join(",") }))).objects;
+  remember(found);
+  for (const { id } of found) ids.delete(id);
+  if (shown === list.peek() && [...ids].some((id) => shown?.positionOf(id) !== undefined)) isListOld.value = true;
+  return selected === null || !ids.has(selected);
 }
 
 export async function loadVideoObjects(video: number, signal: AbortSignal) {

@@ -19,6 +19,11 @@ vi.mock("./api/client", () => ({
   onUnauthenticated: () => {},
 }));
 vi.mock("./selection", () => ({ neighbour: () => Promise.resolve(null), select: () => {} }));
+const regroup = vi.hoisted(() => vi.fn());
+vi.mock("./regroup", async () => {
+  const { signal } = await import("@preact/signals");
+  return { isChanging: () => false, isRegrouping: signal(false), regroup };
+});
 vi.mock("./state", async () => {
   const { signal } = await import("@preact/signals");
   return {
@@ -65,7 +70,7 @@ const crowd = Array.from({ length: MAX_DECISIONS }, (_, i) => say(`other ${i}`, 
 
 beforeEach(() => {
   vi.useFakeTimers();
-  for (const one of Object.values(server)) one.mockReset();
+  for (const one of [...Object.values(server), regroup]) one.mockReset();
   server.putReview.mockImplementation((id: number, verdict: Review["verdict"], note: string, reviewer: string) =>
     Promise.resolve({ object_id: id, review: say(reviewer, verdict, note), decisions: [say(reviewer, verdict, note)], is_disputed: false }),
   );
@@ -204,6 +209,31 @@ describe("what can be taken back", () => {
     reloaded.undo();
     await settle();
     expect(sent().slice(count).filter(([of]) => of === id)).toEqual([]);
+  });
+
+  it("is also which moments were one object", async () => {
+    const id = await show([]);
+    reviews.review(id, "accepted");
+    await settle();
+    reviews.addRegrouping({ groups: [[1, 5], [2]], correction: 7 });
+    await settle();
+    vi.resetModules();
+    const reloaded = await import("./reviews");
+    (await import("./me")).givenName.value = "ann";
+    (await import("./session")).session.value = { has_accounts: false, account: null };
+    // A server that is away now may have it later.
+    regroup.mockRejectedValueOnce(new ApiFailure("The server does not answer.", 0));
+    reloaded.undo();
+    await settle();
+    regroup.mockResolvedValue({ object_ids: [1, 2], correction: null });
+    reloaded.undo();
+    await settle();
+    expect(regroup.mock.calls).toEqual([[[[1, 5], [2]], 7], [[[1, 5], [2]], 7]]);
+    reloaded.undo();
+    await settle();
+    await settle();
+    expect(sent().at(-1)).toEqual([id, null, "", "ann"]);
+    expect(regroup).toHaveBeenCalledTimes(2);
   });
 
   it("is a note as a whole, however often it was stored while it was typed", async () => {

@@ -6,12 +6,13 @@ import type { Review, ReviewedObject, Verdict } from "./api/types";
 import { type Reviews, isOwnKnown, ownDecision, ownOf, reviewsOf, withDecision } from "./logic/decisions";
 import { messageOf } from "./logic/errors";
 import { REASONS, takesReason } from "./logic/reasons";
-import { formatUndoSteps, readUndoSteps } from "./logic/undo_steps";
+import { type Regrouping, formatUndoSteps, isRegrouping, readUndoSteps } from "./logic/undo_steps";
 import { type Filters, isChosen, nextReview } from "./logic/filters";
 import { plural } from "./logic/format";
 import { me } from "./me";
 import { type NoticeChoice, dismiss, notices, notify, notifyError } from "./notices";
 import * as objects from "./objects";
+import { isChanging, isRegrouping as isBusyRegrouping, regroup } from "./regroup";
 import { neighbour, select } from "./selection";
 import { account, session } from "./session";
 import { filters, isConnected, isQueueDone, matcher, project, selected, selectedId } from "./state";
@@ -36,8 +37,10 @@ interface Decision {
   verdict: Verdict;
   note: string;
 }
-/** What was decided before, of each person; those who share a page do not take back each other's decisions. */
-const undoSteps = new Map<string, Promise<Decision[]>[]>(
+/** What was decided before, or which moments were one object. */
+type Step = Decision[] | Regrouping;
+/** Of each person; those who share a page do not take back each other's decisions. */
+const undoSteps = new Map<string, Promise<Step>[]>(
   readUndoSteps<Decision>(sessionStorage.getItem(UNDO)).map(([reviewer, steps]) => [reviewer, steps.map((one) => Promise.resolve(one))]),
 );
 /** What the server does not have yet, by person and object: of several decisions the latest. */
@@ -155,14 +158,15 @@ async function writeReview(wanted: Decision) {
   }
 }
 
-function canReview() {
+/** Says why not. */
+export function canReview() {
   const isAllowed = project.value.state !== "ready" || project.value.value.can_review;
   if (!isAllowed) notify(whyNoReview.value, "error");
   return isAllowed;
 }
 
 export function review(id: number, verdict: Verdict) {
-  if (!objects.objectOf(id) || !canReview()) return;
+  if (!objects.objectOf(id) || isChanging(id) || !canReview()) return;
   if (told?.ids.includes(id) === true) endMessage(told);
   void change([id], (before) => ({ ...before, verdict }));
 }
@@ -174,7 +178,7 @@ interface Told {
   text: string;
   reviewer: string;
   /** What undo takes back, and whether it came about. */
-  step: Promise<Decision[]> | undefined;
+  step: Promise<Step> | undefined;
   isDone: Promise<boolean>;
   notice: number;
   /** The reason that was given last. */
@@ -193,7 +197,7 @@ function endMessage(one: Told) {
 /** Says what was just decided by change(), and what may be done about it. */
 function tell(ids: readonly number[], text: string, verdict: Exclude<Verdict, null>, isDone: Promise<boolean>) {
   const reviewer = me.peek();
-  const notice = notify(`${text}.`, "info", "review", UNDO_ACTION, verdict === "rejected" ? choicesOf(null) : []);
+  const notice = notify(`${text}.`, "info", "review", [UNDO_ACTION], verdict === "rejected" ? choicesOf(null) : []);
   const one: Told = { ids, text, reviewer, step: undoSteps.get(reviewer)?.at(-1), isDone, notice, reason: null, isOver: false };
   told = one;
   void isDone.then((isThere) => {
@@ -226,7 +230,7 @@ async function putReason(one: Told, reason: string) {
   // The same step of undo as the rejection.
   for (const { id } of free) void writeReview({ id, reviewer: one.reviewer, verdict: "rejected", note: reason });
   if (free.length < owns.length) notify(owns.length === 1 ? "It has a note, which stays." : "Notes that are there stay.");
-  if (free.length > 0 && told === one) one.notice = notify(`${one.text}, ${reason}.`, "info", "review", UNDO_ACTION, choicesOf(reason));
+  if (free.length > 0 && told === one) one.notice = notify(`${one.text}, ${reason}.`, "info", "review", [UNDO_ACTION], choicesOf(reason));
 }
 
 /**
@@ -305,6 +309,7 @@ export function markRange(from: number, to: number) {
 /** One decision about all marked objects; one step of undo. */
 function decideMarked(verdict: Exclude<Verdict, null>) {
   const ids = [...marked.value].filter((id) => objects.objectOf(id) !== undefined);
+  if (ids.some(isChanging)) return;
   marked.value = new Set();
   const isDone = change(ids, (before) => ({ ...before, verdict }));
   tell(ids, `${plural(ids.length, "object")} ${verdict}`, verdict, isDone);
@@ -325,7 +330,7 @@ export function decide(verdict: Exclude<Verdict, null>) {
   if (!canReview()) return;
   if (marked.value.size > 0) return decideMarked(verdict);
   const object = selected.value;
-  if (!object) return;
+  if (!object || isChanging(object.id)) return;
   // The key that ended the queue, pressed again, decides nothing.
   if (isQueueDone.value) {
     notify(queueEnd.value);
@@ -353,6 +358,8 @@ async function goOn(from: number, next: Promise<number | null>, wanted: Filters)
 
 /** Takes back the reader's last step. */
 export function undo() {
+  // What was decided before may be about objects that come back with it.
+  if (isBusyRegrouping.peek()) return;
   const last = undoSteps.get(me.peek())?.pop();
   isQueueDone.value = false;
   if (!last) {
@@ -363,10 +370,11 @@ export function undo() {
   takeBack(last).catch(notifyError);
 }
 
-async function takeBack(step: Promise<Decision[]>) {
+async function takeBack(step: Promise<Step>) {
   // change() has said why it is not known.
   const all = await step.catch(() => []);
   void keepUndoSteps();
+  if (isRegrouping(all)) return takeRegroupingBack(all);
   // After a reload, they may not be loaded.
   await objects.needObjects(all.map((one) => one.id));
   const there = all.filter((one) => objects.objectOf(one.id) !== undefined);
@@ -375,4 +383,25 @@ async function takeBack(step: Promise<Decision[]>) {
   if (there[0]) select(there[0].id);
 }
 
-const UNDO_ACTION = { label: "Undo (U)", run: undo };
+/** Objects were joined or split: a step of undo. @param before  which moments were one object */
+export function addRegrouping(before: Regrouping) {
+  const reviewer = me.peek();
+  if (told) endMessage(told);
+  undoSteps.set(reviewer, [...(undoSteps.get(reviewer) ?? []), Promise.resolve(before)]);
+  void keepUndoSteps();
+}
+
+async function takeRegroupingBack(step: Regrouping) {
+  try {
+    await regroup(step.groups, step.correction);
+    // In place of the message whose undo it was.
+    const isJoin = step.groups.length > 1;
+    notify(isJoin ? `Took back the join: ${plural(step.groups.length, "object")} again.` : "Took back the split: one object again.", "info", "review");
+  } catch (error) {
+    // A moment that is not there any more never comes back.
+    if (!(error instanceof ApiFailure && error.status === 404)) addRegrouping(step);
+    throw error;
+  }
+}
+
+export const UNDO_ACTION = { label: "Undo (U)", run: undo };

@@ -150,17 +150,18 @@ export async function stepSighting(by: 1 | -1) {
   }
 }
 
-let sightingsOf: { id: number; times: Promise<{ video: number; time: number }[]> } | null = null;
+let sightingsOf: { id: number; version: number; times: Promise<{ video: number; time: number }[]> } | null = null;
 
 /** Of one object, by video and time; kept for the last one that was asked for. */
 function sightingTimes(object: FoundObject) {
-  if (sightingsOf?.id !== object.id) {
+  const version = indexVersion.peek();
+  if (sightingsOf?.id !== object.id || sightingsOf.version !== version) {
     const times = listObjectSightings(object.id, object.first_time_s, object.last_time_s).then(({ sightings, truncated }) => {
       if (truncated) notify("The object has more sightings at one time than can be loaded: some are left out.", "error");
       return sightings.map((one) => ({ video: one.video_id, time: one.time_s }));
     });
     times.catch(() => (sightingsOf = null));
-    sightingsOf = { id: object.id, times };
+    sightingsOf = { id: object.id, version, times };
   }
   return sightingsOf.times;
 }

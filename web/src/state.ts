@@ -62,6 +62,7 @@ export const seekRequest = signal<{ video: number; time: number } | null>(null);
 export const matcher = computed(() => makeMatcher(filters.value, me.value));
 export const selected = computed(() => (selectedId.value === null ? null : (objects.objectOf(selectedId.value) ?? null)));
 export const video = computed(() => videos.value.find((one) => one.id === videoId.value) ?? null);
+export const canReview = computed(() => project.value.state === "ready" && project.value.value.can_review);
 export const models = computed(() => (project.value.state === "ready" ? project.value.value.models : []));
 export const modelNames = computed(() => models.value.map((one) => one.name));
 export const categoryNames = computed(

@@ -151,6 +151,13 @@ export async function putReview(object: number, verdict: Verdict, note: string, 
 export const listDecisions = async (object: number, signal?: AbortSignal): Promise<Review[]> =>
   (await request<components["schemas"]["DecisionList"]>(`/objects/${object}/decisions`, signal ? { signal } : undefined)).decisions;
 
+/**
+ * Moments of a group are one object, those of different groups different ones.
+ * @param undo  a correction that is taken back instead
+ */
+export const regroupObjects = (groups: readonly (readonly number[])[], undo?: number) =>
+  send<components["schemas"]["RegroupedObjects"]>("/objects/regroup", "POST", undo === undefined ? { groups } : { groups, undo });
+
 export const getThresholds = () => request<ThresholdList>("/thresholds");
 /** For the team; null: none any more. */
 export const putThreshold = (model: number, min_score: number | null, reviewer: string) =>
@@ -159,7 +166,9 @@ export const putThreshold = (model: number, min_score: number | null, reviewer: 
 export const videoFileUrl = (video: number) => `${ROOT}/videos/${video}/file`;
 export const videoCopyUrl = (video: number) => `${ROOT}/videos/${video}/copy`;
 export const frameUrl = (video: number, frame: number) => `${ROOT}/videos/${video}/frames/${frame}`;
-export const thumbnailUrl = (object: number, width: number) => `${ROOT}/objects/${object}/thumbnail?width=${width}`;
+/** @param look  another one is another address: a browser shows an image that it has, whatever the server would send */
+export const thumbnailUrl = (object: number, width: number, look?: string) =>
+  `${ROOT}/objects/${object}/thumbnail?width=${width}${look === undefined ? "" : `&v=${look}`}`;
 /** Of one frame; null: of the object's best sighting. */
 export const getEvidence = (object: number, at: { video: number; frame: number } | null, signal: AbortSignal) =>
   request<Evidence>(`/objects/${object}/evidence${at === null ? "" : `?video=${at.video}&frame=${at.frame}`}`, { signal });

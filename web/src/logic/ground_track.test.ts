@@ -16,10 +16,11 @@ const path = (points: [number, Position[] | null][]): CameraPath => ({
 
 describe("the moments of an object", () => {
   it("differ when it was seen more in this video", () => {
-    const moment = { video_id: 1, first_time_s: 0, last_time_s: 2, frames: 5, score: 0.9 };
+    const moment = { id: 4, video_id: 1, first_time_s: 0, last_time_s: 2, frames: 5, score: 0.9 };
     const key = momentsKey({ moments: [moment] }, 1);
     expect(momentsKey({ moments: [{ ...moment, score: 0.95 }, { ...moment, video_id: 2 }] }, 1)).toBe(key);
     expect(momentsKey({ moments: [{ ...moment, last_time_s: 2.5, frames: 6 }] }, 1)).not.toBe(key);
+    expect(momentsKey({ moments: [{ ...moment, id: 5 }] }, 1)).not.toBe(key);
     expect(momentsKey({ moments: [moment, { ...moment, first_time_s: 7, last_time_s: 8 }] }, 1)).not.toBe(key);
   });
 });

@@ -41,7 +41,7 @@ export function onGround(footprint: readonly Position[], u: number, v: number): 
 export const momentsKey = (object: Pick<FoundObject, "moments">, video: number): string =>
   object.moments
     .filter((one) => one.video_id === video)
-    .map((one) => `${one.first_time_s} ${one.last_time_s} ${one.frames}`)
+    .map((one) => `${one.id} ${one.first_time_s} ${one.last_time_s} ${one.frames}`)
     .join();
 
 /** The middle of each box on the ground, by time; pieces where the object was lost in between. */

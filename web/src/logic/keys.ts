@@ -23,6 +23,7 @@ export const BINDINGS = {
   turn: { keys: ["t"], label: "T", what: "Turn the model, and show which of its views matched", group: "Review" },
   mark: { keys: ["m"], label: "M", what: "Mark for a decision together; Shift+click: from the last mark on", group: "Review" },
   unmark: { keys: ["M"], label: "Shift+M", what: "Take all marks back", group: "Review" },
+  join: { keys: ["g"], label: "G", what: "Join the marked objects: they are one", group: "Review" },
   undo: { keys: ["u"], label: "U", what: "Take the last decision back", group: "Review" },
   play: { keys: [" "], label: "Space", what: "Play or pause", group: "Video" },
   frameBack: { keys: [",", "ArrowLeft"], label: ", or ←", what: "One frame back (Shift: ten)", group: "Video" },

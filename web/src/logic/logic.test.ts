@@ -35,7 +35,7 @@ const found = (id: number, change: Partial<FoundObject> = {}): FoundObject => ({
   frames: 3,
   first_time_s: 0,
   last_time_s: 1,
-  moments: [{ video_id: 1, first_time_s: 0, last_time_s: 1, frames: 3, score: 0.9 }],
+  moments: [{ id: 1, video_id: 1, first_time_s: 0, last_time_s: 1, frames: 3, score: 0.9 }],
   place: null,
   heading_deg: null,
   speed_m_s: null,
@@ -424,8 +424,8 @@ describe("saved lists", () => {
     { id: 2, name: "/v/b.mp4", start_utc_us: null },
   ];
   const moments = [
-    { video_id: 1, first_time_s: 3, last_time_s: 5.1, frames: 2, score: 0.9 },
-    { video_id: 2, first_time_s: 2, last_time_s: 2.5, frames: 1, score: 0.8 },
+    { id: 1, video_id: 1, first_time_s: 3, last_time_s: 5.1, frames: 2, score: 0.9 },
+    { id: 2, video_id: 2, first_time_s: 2, last_time_s: 2.5, frames: 1, score: 0.8 },
   ];
   const placed = found(7, { place: place(52.5, 13.25), heading_deg: 90, review, decisions, is_disputed: true });
 

@@ -6,7 +6,7 @@ const videos = [
   { id: 1, name: "/v/a.mp4", start_utc_us: 1_700_000_000_000_000 },
   { id: 2, name: "/v/b.mp4", start_utc_us: null },
 ];
-const moment = (video_id: number, first_time_s: number, last_time_s: number, frames = 3) => ({ video_id, first_time_s, last_time_s, frames, score: 0.9 });
+const moment = (video_id: number, first_time_s: number, last_time_s: number, frames = 3) => ({ id: video_id, video_id, first_time_s, last_time_s, frames, score: 0.9 });
 const object = { moments: [moment(2, 2, 2.5), moment(1, 4, 5.1), moment(1, 3, 3.5)] };
 
 describe("seenIn", () => {

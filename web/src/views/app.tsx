@@ -4,6 +4,7 @@ import { useEffect } from "preact/hooks";
 import { type Action, actionOf } from "../logic/keys";
 import { pendingReviews } from "../objects";
 import { needsLogIn, session } from "../session";
+import * as grouping from "../grouping";
 import * as jobs from "../jobs";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
@@ -60,6 +61,8 @@ function run(action: Action, shift: boolean) {
     case "unmark":
       reviews.marked.value = new Set();
       return;
+    case "join":
+      return void grouping.joinMarked();
     case "accept":
       return reviews.decide("accepted");
     case "reject":

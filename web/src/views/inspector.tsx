@@ -5,11 +5,14 @@ import { listDecisions, thumbnailUrl, viewUrl } from "../api/client";
 import type { FoundObject, ObjectDetail, Review } from "../api/types";
 import { MAX_DECISIONS, isOwnKnown, nameOf, ownDecision } from "../logic/decisions";
 import { COORDINATE_STYLES, type CoordinateStyle, DASH, baseName, describeMatches, explainScore, formatAngle, formatMetres, formatPosition, formatScore, formatSpan, plural } from "../logic/format";
+import { inOrder, lookOf, splitGroups, whyNotSplit } from "../logic/grouping";
 import { formatUtcSpan } from "../logic/moments";
+import { split } from "../grouping";
 import { askForClip, canAdd } from "../jobs";
 import { me } from "../me";
 import * as notices from "../notices";
 import * as objects from "../objects";
+import { isRegrouping } from "../regroup";
 import * as reviews from "../reviews";
 import * as selection from "../selection";
 import * as state from "../state";
@@ -27,7 +30,7 @@ function Crops({ object, detail }: { object: FoundObject; detail: ObjectDetail |
     <div class="crops">
       <figure class="crop">
         <div class="frame">
-          <Picture src={thumbnailUrl(object.id, 344)} alt={`${object.model} in its best sighting`} />
+          <Picture src={thumbnailUrl(object.id, 344, lookOf(object))} alt={`${object.model} in its best sighting`} />
         </div>
         <figcaption>
           {best ? (
@@ -112,13 +115,71 @@ function CoordinateChoice() {
   );
 }
 
-/** When each video shows it; a click goes there. */
-function Seen({ object }: { object: FoundObject }) {
+/** Each moment by itself; those that are chosen can be split off. */
+function Moments({ object, chosen, choose }: { object: FoundObject; chosen: ReadonlySet<number>; choose: (next: ReadonlySet<number>) => void }) {
+  const nameOfVideo = (id: number) => baseName(state.videos.value.find((one) => one.id === id)?.name ?? String(id));
+  const toggle = (id: number) => {
+    const next = new Set(chosen);
+    if (!next.delete(id)) next.add(id);
+    choose(next);
+  };
+  return inOrder(object.moments).map((one) => {
+    const [span, name] = [formatSpan(one.first_time_s, one.last_time_s), nameOfVideo(one.video_id)];
+    return (
+      <dd key={one.id} class="moment">
+        {state.canReview.value && (
+          <input type="checkbox" aria-label={`Choose ${span} in ${name}`} checked={chosen.has(one.id)} onChange={() => toggle(one.id)} />
+        )}
+        <button class="link" title={plural(one.frames, "frame")} onClick={() => selection.showTime(one.video_id, one.first_time_s)}>
+          {span}
+        </button>{" "}
+        in {name}
+      </dd>
+    );
+  });
+}
+
+/** Makes the chosen moments another object. */
+function Split({ object, chosen }: { object: FoundObject; chosen: ReadonlySet<number> }) {
+  const whyNot = whyNotSplit(object, chosen);
+  const isBusy = isRegrouping.value;
+  // Pressed by key, it hands the focus on when it goes.
+  const run = async (isByKey: boolean) => {
+    await split(object, chosen);
+    if (isByKey && document.activeElement === document.body) document.querySelector<HTMLElement>(".inspector .seen button")?.focus();
+  };
   return (
-    <div class="wide seen">
-      <dt>Seen</dt>
-      {state.seenOf(object).map((one) => (
-        <dd key={one.video_id}>
+    <button
+      class="link"
+      aria-disabled={whyNot !== null || isBusy}
+      title={whyNot ?? "They are of another object"}
+      onClick={(event) => void run(event.detail === 0)}
+    >
+      {isBusy ? "splitting off" : "split off"}
+      {whyNot === null && !isBusy && ` ${plural(splitGroups(object, chosen)[1].length, "moment")}`}
+    </button>
+  );
+}
+
+/** When each video shows it, or each moment; a click goes there. */
+function Seen({ object }: { object: FoundObject }) {
+  const [areMomentsShown, setAreMomentsShown] = useState(false);
+  const [chosen, setChosen] = useState<ReadonlySet<number>>(new Set());
+  const isOpen = areMomentsShown && object.moments.length > 1;
+  return (
+    <div class={`wide seen ${isOpen ? "open" : ""}`}>
+      <dt>
+        Seen
+        {object.moments.length > 1 && (
+          <button class="link" aria-expanded={isOpen} title="Each moment by itself" onClick={() => setAreMomentsShown(!isOpen)}>
+            {plural(object.moments.length, "moment")}
+          </button>
+        )}
+        {isOpen && state.canReview.value && <Split object={object} chosen={chosen} />}
+      </dt>
+      {isOpen && <Moments object={object} chosen={chosen} choose={setChosen} />}
+      {!isOpen && state.seenOf(object).map((one) => (
+        <dd key={`video-${one.video_id}`}>
           <button class="link" title={`${one.video}\n${plural(one.frames, "frame")}`} onClick={() => selection.showTime(one.video_id, one.first_time_s)}>
             {formatSpan(one.first_time_s, one.last_time_s)}
           </button>{" "}
@@ -161,7 +222,7 @@ function Facts({ object, detail }: { object: FoundObject; detail: ObjectDetail |
           <dt>Score</dt>
           <dd title={explainScore(object.score)}>{formatScore(object.score, 3)}</dd>
         </div>
-        <Seen object={object} />
+        <Seen key={object.id} object={object} />
         {object.against.length > 0 && (
           <div class="wide">
             <dt>Doubts</dt>
@@ -294,7 +355,6 @@ function ReviewPanel({ object }: { object: FoundObject }) {
   // What is typed belongs to the object that was selected as it was typed.
   const [draft, setDraft] = useState<Draft | null>(null);
   const isPending = objects.pendingReviews.value.has(object.id);
-  const canReview = state.project.value.state === "ready" && state.project.value.value.can_review;
   const save = () => {
     if (draft !== null) keep(draft);
     setDraft(null);
@@ -314,7 +374,7 @@ function ReviewPanel({ object }: { object: FoundObject }) {
     if (state.isQueueDone.value) return reviews.queueEnd.value;
     if (isPending) return "Saving";
     if (own) return `Saved ${formatWhen(own.updated_utc_us)}`;
-    if (!canReview) return reviews.whyNoReview.value;
+    if (!state.canReview.value) return reviews.whyNoReview.value;
     if (!isKnown) return "Loading what you decided";
     return object.review ? "Not reviewed by you" : "Not reviewed";
   };
@@ -324,7 +384,7 @@ function ReviewPanel({ object }: { object: FoundObject }) {
         <button
           class="button accept"
           aria-pressed={verdict === "accepted"}
-          disabled={!canReview || !isKnown}
+          disabled={!state.canReview.value || !isKnown}
           onClick={decide("accepted")}
         >
           <Icon name="accept" /> Accept{many} <kbd>A</kbd>
@@ -332,13 +392,13 @@ function ReviewPanel({ object }: { object: FoundObject }) {
         <button
           class="button reject"
           aria-pressed={verdict === "rejected"}
-          disabled={!canReview || !isKnown}
+          disabled={!state.canReview.value || !isKnown}
           onClick={decide("rejected")}
         >
           <Icon name="reject" /> Reject{many} <kbd>X</kbd>
         </button>
       </div>
-      {verdict !== null && canReview && (
+      {verdict !== null && state.canReview.value && (
         <button class="link take-back" title="Takes your decision back; the note stays" onClick={() => reviews.review(object.id, null)}>
           Not reviewed
         </button>
@@ -351,7 +411,7 @@ function ReviewPanel({ object }: { object: FoundObject }) {
         class="field"
         placeholder="Note (N)"
         maxLength={2000}
-        disabled={!canReview}
+        disabled={!state.canReview.value}
         readOnly={!isKnown}
         value={draft?.id === object.id ? draft.note : stored}
         onInput={(event) => type(event.currentTarget.value)}

@@ -9,17 +9,20 @@ import { describeDecisions, summarise } from "../logic/decisions";
 import { searchedHours } from "../logic/coverage";
 import { NO_FILTERS, type ReviewFilter, isChosen, isFiltered, parseQuery } from "../logic/filters";
 import { baseName, explainScore, formatExpected, formatMetres, formatScore, plural } from "../logic/format";
+import { lookOf } from "../logic/grouping";
 import { describeSeen, summarizeSeen } from "../logic/moments";
 import { type ChoosableModel, findModels, modelsWithChips } from "../logic/model_choice";
 import type { PagedList } from "../logic/paged_list";
 import { thresholdCost } from "../logic/threshold_cost";
 import { isBelow, isWeak } from "../logic/weak";
+import * as grouping from "../grouping";
 import * as jobs from "../jobs";
 import * as load from "../load";
 import { me } from "../me";
 import * as notices from "../notices";
 import * as objects from "../objects";
 import { printList } from "../print";
+import { isRegrouping } from "../regroup";
 import * as reviews from "../reviews";
 import * as save from "../save";
 import * as selection from "../selection";
@@ -117,7 +120,7 @@ function Row({ object, before, index, top, total }: { object: FoundObject; befor
     >
       <div class="thumb">
         {isMarked && <span class="mark"><Icon name="accept" /></span>}
-        <Picture src={thumbnailUrl(object.id, 168)} alt="" width={84} height={63} />
+        <Picture src={thumbnailUrl(object.id, 168, lookOf(object))} alt="" width={84} height={63} />
       </div>
       <div class="lines">
         <div class="line">
@@ -475,16 +478,38 @@ function Loading() {
   );
 }
 
+/** The marked objects are one. */
+function Join() {
+  const whyNot = grouping.whyNotJoinMarked.value;
+  const isBusy = isRegrouping.value;
+  // Pressed by key, it hands the focus on to the list when it goes.
+  const join = async (isByKey: boolean) => {
+    await grouping.joinMarked();
+    if (isByKey && reviews.marked.peek().size === 0) document.querySelector<HTMLElement>(".list .rows")?.focus();
+  };
+  return (
+    <button
+      class="button"
+      aria-disabled={whyNot !== null || isBusy}
+      title={whyNot ?? "They are one object (G)"}
+      onClick={(event) => void join(event.detail === 0)}
+    >
+      Join
+    </button>
+  );
+}
+
 function Marked() {
   return (
     <div class="marked-bar" role="group" aria-label="Marked objects">
       <strong>{reviews.marked.value.size.toLocaleString("en")} marked</strong>
       <button class="button" onClick={() => reviews.decide("accepted")}>
-        <Icon name="accept" /> Accept
+        Accept
       </button>
       <button class="button" onClick={() => reviews.decide("rejected")}>
-        <Icon name="reject" /> Reject
+        Reject
       </button>
+      {state.canReview.value && reviews.marked.value.size > 1 && <Join />}
       <button class="link" onClick={() => (reviews.marked.value = new Set())}>
         Clear
       </button>
@@ -540,6 +565,11 @@ export function ObjectList() {
         {isNew && (
           <button class="button new" onClick={() => void load.showNew()}>
             {plural(all - (objects.listedAll.value ?? all), "new object")}: show
+          </button>
+        )}
+        {!isNew && objects.isListOld.value && !isRegrouping.value && (
+          <button class="button new" onClick={() => void load.showNew()}>
+            Objects of the list have changed: show
           </button>
         )}
         <div id="filters" class="filters" data-open={areFiltersOpen.value}>

@@ -16,17 +16,18 @@ export function Notices() {
               ))}
             </span>
           )}
-          {one.action && (
+          {one.actions.map((action) => (
             <button
+              key={action.label}
               class="link"
               onClick={() => {
-                notices.dismiss(one.id);
-                one.action?.run();
+                if (action.keepsNotice !== true) notices.dismiss(one.id);
+                action.run();
               }}
             >
-              {one.action.label}
+              {action.label}
             </button>
-          )}
+          ))}
           <button class="button icon plain" aria-label="Dismiss" onClick={() => notices.dismiss(one.id)}>
             <Icon name="close" />
           </button>
