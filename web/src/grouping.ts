@@ -3,8 +3,7 @@ import { computed } from "@preact/signals";
 
 import type { FoundObject } from "./api/types";
 import { messageOf } from "./logic/errors";
-import { describeSplit, groupsOf, splitGroups, whyNotJoin, whyNotSplit, withoutDoubles } from "./logic/grouping";
-import { plural } from "./logic/format";
+import { describeJoin, describeSplit, groupsOf, splitGroups, whyNotJoin, whyNotSplit, withoutDoubles } from "./logic/grouping";
 import { dismiss, notify } from "./notices";
 import * as objects from "./objects";
 import { isRegrouping, regroup } from "./regroup";
@@ -48,7 +47,7 @@ export async function joinMarked() {
     const { correction } = await regroup([groups.flat()]);
     reviews.marked.value = new Set();
     if (correction !== null) reviews.addRegrouping({ groups, correction });
-    notify(`Joined ${plural(joined.length, "object")}.`, "info", "review", [reviews.UNDO_ACTION]);
+    notify(describeJoin(joined), "info", "review", [reviews.UNDO_ACTION]);
   } catch (error) {
     refuse(messageOf(error));
   }

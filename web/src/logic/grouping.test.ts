@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { describeSplit, groupsOf, inOrder, lookOf, splitGroups, whyNotJoin, whyNotSplit, withoutDoubles } from "./grouping";
+import { describeJoin, describeSplit, groupsOf, inOrder, lookOf, splitGroups, whyNotJoin, whyNotSplit, withoutDoubles } from "./grouping";
 
 const moment = (id: number, video_id = 1, first_time_s = id) => ({ id, video_id, first_time_s, last_time_s: first_time_s + 1, frames: 3, score: 0.9 });
 const object = (ids: readonly number[], model_id = 1) => ({ model_id, model: model_id === 1 ? "jeep" : "jet", moments: ids.map((id) => moment(id)) });
@@ -58,4 +58,10 @@ it("orders moments by video and time", () => {
 
 it("names no moment twice", () => {
   expect(withoutDoubles([[3, 8], [8], [9, 3]])).toEqual([[3, 8], [9]]);
+});
+
+it("says that verdicts of joined objects differ", () => {
+  const decided = (verdict: "accepted" | "rejected" | null) => ({ review: { verdict, note: "", reviewer: "ann", updated_utc_us: 1 } });
+  expect(describeJoin([decided("accepted"), { review: null }, decided("accepted")])).toBe("Joined 3 objects.");
+  expect(describeJoin([decided("accepted"), decided("rejected")])).toContain("the latest decision stands");
 });

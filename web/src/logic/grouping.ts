@@ -46,6 +46,13 @@ export function splitGroups(object: Grouped, chosen: ReadonlySet<number>): [numb
   return [ids.filter((id) => !chosen.has(id)), ids.filter((id) => chosen.has(id))];
 }
 
+/** What a join did. Of verdicts that differ the latest stands. @param before  the objects that were joined */
+export function describeJoin(before: readonly Pick<FoundObject, "review">[]): string {
+  const verdicts = new Set(before.flatMap(({ review }) => review?.verdict ?? []));
+  const joined = `Joined ${plural(before.length, "object")}`;
+  return verdicts.size < 2 ? `${joined}.` : `${joined}, of which some were accepted and some rejected: the latest decision stands.`;
+}
+
 /** What a split did. The rest has another id if its first moment was split off. */
 export function describeSplit(before: number, moments: number, rest: number, split: number): string {
   const what = `Split object ${before}: ${plural(moments, "moment")} ${moments === 1 ? "is" : "are"} object ${split}`;
