@@ -92,6 +92,7 @@ IsolatedProcess& IsolatedProcess::operator=(IsolatedProcess&& other) noexcept {
   pid_ = std::exchange(other.pid_, -1);
   descriptor_ = std::exchange(other.descriptor_, -1);
   limits_ = std::move(other.limits_);
+  end_ = std::move(other.end_);
   return *this;
 }
 
@@ -125,12 +126,11 @@ void IsolatedProcess::Confine(IsolationLimits limits) {
   const std::string limits_text = writer.TakeText();
   const std::string message = HeaderBytes(IsolatedMessage::kLimits, limits_text.size()) + limits_text;
   constexpr std::chrono::seconds kPatience{60};
-  // What fails here fails again when the process is asked.
-  [[maybe_unused]] const Status sent = Send(message, {}, Clock::now() + kPatience);
+  if (Status sent = Send(message, {}, Clock::now() + kPatience); !sent) end_ = std::move(sent.error());
 }
 
 Expected<std::string> IsolatedProcess::Ask(std::string_view request, const AskOptions& options) {
-  if (!IsRunning()) return Fail(ErrorCode::kInternal, "its decoder has ended");
+  if (!IsRunning()) return std::unexpected(end_.value_or(Error{ErrorCode::kInternal, "its decoder has ended"}));
   const Deadline deadline = Clock::now() + options.patience;
   const auto exchange = [&]() -> Expected<Expected<std::string>> {
     VICTORIOUS_RETURN_IF_ERROR(Send(HeaderBytes(IsolatedMessage::kRequest, request.size()), options, deadline));

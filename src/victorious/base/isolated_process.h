@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -57,7 +58,8 @@ class IsolatedProcess {
   IsolatedProcess(IsolatedProcess&& other) noexcept
       : pid_(std::exchange(other.pid_, -1)),
         descriptor_(std::exchange(other.descriptor_, -1)),
-        limits_(std::move(other.limits_)) {}
+        limits_(std::move(other.limits_)),
+        end_(std::move(other.end_)) {}
   IsolatedProcess& operator=(IsolatedProcess&& other) noexcept;
   /// Kills it if it runs, and waits for it.
   ~IsolatedProcess() { End(); }
@@ -97,6 +99,7 @@ class IsolatedProcess {
   pid_t pid_;
   int descriptor_;
   IsolationLimits limits_;
+  std::optional<Error> end_;  ///< why it ended, if that showed before a question
 };
 
 }  // namespace victorious

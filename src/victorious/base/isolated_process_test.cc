@@ -1,7 +1,9 @@
 #include "victorious/base/isolated_process.h"
 
+#include <chrono>
 #include <csignal>
 #include <fstream>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
@@ -153,10 +155,13 @@ TEST(IsolatedProcess, ResultThatIsNoneIsAnError) {
 }
 
 TEST(IsolatedProcess, ProgramThatIsNotThereIsAnError) {
-  auto process = IsolatedProcess::Start("echo", {.program = "/nowhere/victorious-decoder"});
-  ASSERT_TRUE(process);
-  process->Confine({});
-  EXPECT_THAT(process->Ask("", {}).error().message, HasSubstr("cannot be executed"));
+  for (const int wait_ms : {0, 200}) {  // it ends after the limits come, or before
+    auto process = IsolatedProcess::Start("echo", {.program = "/nowhere/victorious-decoder"});
+    ASSERT_TRUE(process);
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+    process->Confine({});
+    EXPECT_THAT(process->Ask("", {}).error().message, HasSubstr("cannot be executed"));
+  }
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
