@@ -1,4 +1,4 @@
-// Which moments are one object is changed on the server, and the page shows what came of it.
+// Sends groups of moments to the server, and shows the objects that it makes of them.
 import { computed, signal } from "@preact/signals";
 
 import { regroupObjects } from "./api/client";

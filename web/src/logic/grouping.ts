@@ -1,4 +1,4 @@
-// Which moments are one object, corrected by a person: what is asked of the server, and what takes it back.
+// Joining and splitting of objects: the groups of moments that are sent to the server, and the messages.
 import type { FoundObject, Moment } from "../api/types";
 import { plural } from "./format";
 

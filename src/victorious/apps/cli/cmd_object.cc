@@ -1,7 +1,7 @@
 // victorious object join | split | undo --db INDEX: a person corrects which moments are one object
 #include <algorithm>
 #include <cstdint>
-#include <map>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,11 +43,11 @@ Expected<std::unique_ptr<IndexStore>> OpenIndex(const ObjectArguments& arguments
   return OpenStore(arguments.db, StoreMode::kCreate);
 }
 
-// Error: kNotFound.
-Expected<std::vector<TrackletRecord>> MomentsOf(std::int64_t object, const ObjectArguments& arguments,
-                                                IndexStore& store) {
-  VICTORIOUS_ASSIGN_OR_RETURN(std::vector<TrackletRecord> moments, store.Tracklets());
-  std::erase_if(moments, [&](const TrackletRecord& one) { return one.object != object; });
+// @param all  of the index. Error: kNotFound.
+Expected<std::vector<TrackletRecord>> MomentsOf(std::int64_t object, const std::vector<TrackletRecord>& all,
+                                                const ObjectArguments& arguments) {
+  std::vector<TrackletRecord> moments;
+  std::ranges::copy_if(all, std::back_inserter(moments), [&](const auto& one) { return one.object == object; });
   if (!moments.empty()) return moments;
   return Fail(ErrorCode::kNotFound, fmt::format("{}: there is no object {}: `victorious search` lists them",
                                                 StoreName(arguments.db), object));
@@ -76,11 +76,12 @@ Status Print(const RegroupedObjects& regrouped, const std::string& line, const O
 
 Status Join(const ObjectArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenIndex(arguments));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> all, store->Tracklets());
   std::vector<std::int64_t> joined;
   for (auto object = arguments.objects.begin(); object != arguments.objects.end(); ++object) {
     if (std::find(arguments.objects.begin(), object, *object) != object)
       return Fail(ErrorCode::kInvalidArgument, fmt::format("object {} is named twice", *object));
-    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> moments, MomentsOf(*object, arguments, *store));
+    VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> moments, MomentsOf(*object, all, arguments));
     std::ranges::copy(IdsOf(moments), std::back_inserter(joined));
   }
   const auto count = std::ssize(joined);
@@ -110,8 +111,8 @@ std::string DescribeMoments(const std::vector<TrackletRecord>& moments, const st
 
 Status Split(const ObjectArguments& arguments) {
   VICTORIOUS_ASSIGN_OR_RETURN(const std::unique_ptr<IndexStore> store, OpenIndex(arguments));
-  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> moments,
-                              MomentsOf(arguments.object, arguments, *store));
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> all, store->Tracklets());
+  VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<TrackletRecord> moments, MomentsOf(arguments.object, all, arguments));
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<VideoRecord> videos, store->Videos());
   const std::vector<VideoRecord> named = FindVideosByName(videos, arguments.video);
   const auto is_meant = [&](const TrackletRecord& moment) {
