@@ -119,7 +119,32 @@ std::vector<double> AssumedSizes(const cv::Size& size) {
   return sizes_px;
 }
 
-PreparedPart PreparePart(const FramePyramid& frame, const FrameTile& tile, double object_px, double lean_rad) {
+GradientCells FilmedCells(const UprightPart& part, const cv::Size& frame,
+                          const std::array<float, kCellOrientations>& mean) {
+  GradientCells cells = MakeGradientCells(part.grey);
+  const Box filmed = FrameBox(frame.width, frame.height);
+  const auto is_filmed = [&](const Vector2d& at_px) { return filmed.Contains(at_px.x(), at_px.y()); };
+  const Vector2d first_px = part.ToFrame({0.5, 0.5});
+  const Vector2d across_px = part.ToFrame({0.5 + kCellStep_px, 0.5}) - first_px;
+  const Vector2d down_px = part.ToFrame({0.5, 0.5 + kCellStep_px}) - first_px;
+  const Vector2d last_right_px = first_px + (cells.columns - 1) * across_px;
+  const Vector2d to_last_row_px = (cells.rows - 1) * down_px;
+  if (is_filmed(first_px) && is_filmed(last_right_px) && is_filmed(first_px + to_last_row_px) &&
+      is_filmed(last_right_px + to_last_row_px)) {
+    return cells;
+  }
+  const std::array<std::uint8_t, kCellOrientations> mean_codes = CodesOf(mean);
+  auto code = cells.codes.begin();
+  for (int row = 0; row < cells.rows; ++row) {
+    for (int column = 0; column < cells.columns; ++column, code += kCellOrientations) {
+      if (!is_filmed(first_px + row * down_px + column * across_px)) std::ranges::copy(mean_codes, code);
+    }
+  }
+  return cells;
+}
+
+PreparedPart PreparePart(const FramePyramid& frame, const FrameTile& tile, double object_px, double lean_rad,
+                         const std::array<float, kCellOrientations>& mean) {
   // Objects of the tile reach beyond it; turned, so do its corners.
   const double turned = std::abs(std::sin(lean_rad));
   const cv::Size2d wanted(tile.part.width + object_px + turned * tile.part.height,
@@ -128,7 +153,7 @@ PreparedPart PreparePart(const FramePyramid& frame, const FrameTile& tile, doubl
   made.part = CutUpright(frame, tile.centre(), wanted, ChooseSize(object_px, kCoarseSize_px).scale, lean_rad);
   if (made.part.grey.empty()) return made;
   made.half = made.part.AtHalfScale();
-  made.half_cells = MakeGradientCells(made.half.grey);
+  made.half_cells = FilmedCells(made.half, frame.frame().size(), mean);
   return made;
 }
 
@@ -154,11 +179,11 @@ Expected<std::vector<Place>> ModelShapeSearch::FindPlaces(const FramePyramid& fr
   if (!view) return std::vector<Place>{};
   const std::vector<ShapeBankKey> keys = PlaceKeys(*view);
   if (keys.empty()) return std::vector<Place>{};
-  PreparedPart prepared = PreparePart(frame, tile, diagonal_m_ * view->pixels_per_m, view->lean_rad);
+  PreparedPart prepared = PreparePart(frame, tile, diagonal_m_ * view->pixels_per_m, view->lean_rad, templates_.mean());
   VICTORIOUS_ASSIGN_OR_RETURN(const std::shared_ptr<const ShapeBank> small, templates_.Get(keys[0]));
   const std::vector<Glance> glances = FindGlances(prepared, tile, *small, kMaxGlances);
   if (glances.empty()) return std::vector<Place>{};
-  prepared.cells = MakeGradientCells(prepared.part.grey);
+  prepared.cells = FilmedCells(prepared.part, frame.frame().size(), templates_.mean());
   return LookCloser(prepared, glances, keys[1]);
 }
 

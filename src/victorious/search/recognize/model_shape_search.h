@@ -67,10 +67,17 @@ struct PreparedPart {
   GradientCells cells = {};  ///< as long as they are not needed, none
 };
 
+/// The cells of a part, and beyond the frame those of mean background: there the frame's last pixels are repeated, and
+/// lines that leave it go on as long straight edges that nobody filmed. Cells just inside the border still average some
+/// of these pixels.
+[[nodiscard]] GradientCells FilmedCells(const UprightPart& part, const cv::Size& frame,
+                                        const std::array<float, kCellOrientations>& mean);
+
 /// Without its cells at full scale. Empty beside the frame.
 /// @param object_px  size of the objects searched for, in the frame
+/// @param mean       cell of the background, which stands beyond the frame
 [[nodiscard]] PreparedPart PreparePart(const FramePyramid& frame, const FrameTile& tile, double object_px,
-                                       double lean_rad);
+                                       double lean_rad, const std::array<float, kCellOrientations>& mean);
 
 /// What is assumed where the camera is unknown: objects stand upright in the image, are seen from one of these
 /// off-nadir angles, and their bounding boxes have diagonals a quarter of an octave apart, from this one on. Without

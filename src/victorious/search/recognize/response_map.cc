@@ -1,7 +1,6 @@
 #include "victorious/search/recognize/response_map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -26,10 +25,7 @@ CodeMap TakeCells(const GradientCells& cells, const cv::Point& phase, const cv::
                   const std::array<float, kCellOrientations>& mean) {
   CodeMap map{.codes = {}, .rows = area.height, .columns = area.width};
   map.codes.resize(static_cast<std::size_t>(map.rows) * map.columns * kCellOrientations);
-  std::array<std::int16_t, kCellOrientations> outside{};
-  for (std::size_t k = 0; k < outside.size(); ++k) {
-    outside[k] = static_cast<std::int16_t>(std::lround(mean[k] * (kMaxCellCode / kMaxCellValue)));
-  }
+  const std::array<std::uint8_t, kCellOrientations> outside = CodesOf(mean);
   std::int16_t* out = map.codes.data();
   for (int row = 0; row < map.rows; ++row) {
     for (int column = 0; column < map.columns; ++column) {

@@ -183,8 +183,8 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::FindInAnyView(const cv::Mat& grey
   if (sizes_px.empty()) return std::vector<ShapeMatch>{};
   std::vector<PreparedPart> prepared(sizes_px.size());
   ParallelFor(prepared.size(), [&](std::size_t i) {
-    prepared[i] = PreparePart(frame, whole, sizes_px[i], 0);
-    prepared[i].cells = MakeGradientCells(prepared[i].part.grey);
+    prepared[i] = PreparePart(frame, whole, sizes_px[i], 0, templates_->mean());
+    prepared[i].cells = FilmedCells(prepared[i].part, grey.size(), templates_->mean());
   });
   constexpr std::size_t kAngles = kAssumedOffNadirs_deg.size();
   const std::size_t views = sizes_px.size() * kAngles;

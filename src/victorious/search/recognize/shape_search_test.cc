@@ -23,6 +23,9 @@
 #include "victorious/object/model/relit_views.h"
 #include "victorious/object/model/view_surface.h"
 #include "victorious/object/render/relight.h"
+#include "victorious/search/recognize/model_shape_search.h"
+#include "victorious/search/recognize/shape_templates.h"
+#include "victorious/search/recognize/upright_part.h"
 
 namespace victorious {
 namespace {
@@ -200,6 +203,25 @@ TEST_F(ShapeSearchTest, FindsAnObjectWithAHeightThatIsSomewhatWrong) {
     ASSERT_EQ(found.size(), 1U) << factor;
     EXPECT_LT((found[0].centre_px - scene.centre_px).norm(), 6) << factor;
     EXPECT_LT(found[0].neg_log10_nfa, right[0].neg_log10_nfa) << factor;
+  }
+}
+
+// Beyond the border the last pixels are repeated: there stripes as wide as the object are as long as it is.
+TEST_F(ShapeSearchTest, StripesThatLeaveTheFrameAreNoPlaces) {
+  const PlainScene scene = SceneOfShape(5);
+  cv::Mat grey(scene.grey.size(), CV_8U, cv::Scalar(120));
+  constexpr int kLength = 20;
+  const int side = static_cast<int>(0.6 * scene.box.width);
+  for (int x = 15; x < grey.cols; x += 2 * side) {
+    for (const int y : {0, grey.rows - kLength}) {
+      cv::rectangle(grey, {x, y, side, kLength}, cv::Scalar(220), cv::FILLED);
+    }
+  }
+  const ShapeSearch::Templates templates({&Model(), 1}, surfaces_, Background());
+  const ModelShapeSearch search(0, Model(), templates);
+  const FramePyramid frame(grey);
+  for (const FrameTile& tile : DivideFrame(*scene.conditions.vertical, grey.size())) {
+    EXPECT_EQ(search.FindPlaces(frame, scene.conditions, tile).value().size(), 0U) << tile.part;
   }
 }
 

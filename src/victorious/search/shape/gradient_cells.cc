@@ -85,6 +85,15 @@ class OrientedRows {
 
 }  // namespace
 
+std::array<std::uint8_t, kCellOrientations> CodesOf(const std::array<float, kCellOrientations>& values) {
+  std::array<std::uint8_t, kCellOrientations> codes{};
+  for (std::size_t k = 0; k < codes.size(); ++k) {
+    codes[k] =
+        static_cast<std::uint8_t>(std::lround(std::min(values[k], kMaxCellValue) * (kMaxCellCode / kMaxCellValue)));
+  }
+  return codes;
+}
+
 GradientCells MakeGradientCells(const cv::Mat& grey) {
   GradientCells cells{.rows = (grey.rows + 1) / kCellStep_px, .columns = (grey.cols + 1) / kCellStep_px, .codes = {}};
   const auto columns = static_cast<std::size_t>(cells.columns);

@@ -7,6 +7,7 @@
 //   cell_k = min(0.9, sqrt(h_k / sqrt(G * sum_j h_j^2 + 4)))    G: Gaussian of 4 px
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct GradientCells {
     return codes.data() + (static_cast<std::size_t>(row) * columns + column) * kCellOrientations;
   }
 };
+
+/// The codes of one cell: values are at most kMaxCellValue, and rounded.
+[[nodiscard]] std::array<std::uint8_t, kCellOrientations> CodesOf(const std::array<float, kCellOrientations>& values);
 
 /// @param grey  CV_8UC1, without impulse noise
 /// Cost: about 3 ms for 320 x 240 pixels.
