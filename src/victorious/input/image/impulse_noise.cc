@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -12,25 +14,16 @@ namespace victorious {
 namespace {
 
 // Chosen on renderings with salt-and-pepper noise (`simulate`, compressed as video); not fitted.
-constexpr int kMinDeviation = 35;  // grey levels above the median; lower values detect codec ringing around an impulse
-constexpr int kMinWiderDeviation = 2 * kMinDeviation;  // above the 5 x 5 median, which detects pairs of impulses
-constexpr int kMaxReach = 3;                           // px, radius of the pixels that replace an impulse
-constexpr int kMaxSetNeighbours = 1;                   // an isolated pixel has at most so many among its eight
-constexpr int kMaxFlatRange = 20;                      // grey levels, bound on the range of the 3 x 3 medians
+constexpr int kMinDeviation = 35;       // grey levels of an impulse of unknown level from its 3 x 3 median
+constexpr int kMinKnownDeviation = 20;  // of one at the level of impulses
+constexpr double kLevelQuantile = 0.9;  // of the distances of impulses from black or white
+constexpr int kLevelMargin = 10;        // grey levels beyond twice that quantile
+constexpr int kMaxLevelReach = 60;      // grey levels from black or white: details of a frame are there, too, beyond it
+constexpr std::size_t kMinImpulses = 30;   // that show a level
+constexpr int kMaxReach = 3;               // px, radius of the pixels that replace an impulse
+constexpr int kMaxSetNeighbours = 1;       // an isolated pixel has at most so many among its eight
+constexpr int kMaxFlatRange = 20;          // grey levels, bound on the range of the 3 x 3 medians
 constexpr double kMinFlatFraction = 0.02;  // minimum denominator, fraction of the image: robust to few flat pixels
-
-// Mask: 255 at impulses.
-// @param median  3 x 3 median of `grey`
-cv::Mat DetectImpulses(const cv::Mat& grey, const cv::Mat& median) {
-  cv::Mat difference;
-  cv::absdiff(grey, median, difference);
-  cv::Mat impulses = difference > kMinDeviation;
-  cv::Mat wider;
-  cv::medianBlur(grey, wider, 5);
-  cv::absdiff(grey, wider, difference);
-  impulses |= difference > kMinWiderDeviation;
-  return impulses;
-}
 
 // One row of the masks and ranges of ImpulseFraction, with one pixel beside the image on either side.
 struct NoiseRow {
@@ -114,31 +107,113 @@ void CountImpulses(std::size_t count, const uchar* __restrict median, uchar inve
   counts.impulses += impulses;
 }
 
-// The fraction of impulses in flat regions: of salt among pixels dark enough for it, plus of pepper among pixels bright
-// enough. In flat regions isolated outliers are noise; elsewhere also thin lines, leaves and print.
-double ImpulseFraction(const cv::Mat& grey, const cv::Mat& median) {
+// Calls visit(y, the row's marks, their sums and the range of the medians around) for each row from the first one.
+template <typename Visit>
+void VisitRows(const cv::Mat& grey, const cv::Mat& median, const Visit& visit) {
   const auto width = static_cast<std::size_t>(grey.cols);
   const NoiseRow outside(width);
   std::array<NoiseRow, 3> rows = {outside, outside, outside};  // of row y: y % 3
   NoiseRow across(width);
   NoiseRow around(width);
-  FlatCounts salt;
-  FlatCounts pepper;
   FillRow(grey.ptr(0), median.ptr(0), width, rows[0]);
   for (int y = 0; y < grey.rows; ++y) {
     const bool is_last = y + 1 == grey.rows;
     if (!is_last) FillRow(grey.ptr(y + 1), median.ptr(y + 1), width, rows[(y + 1U) % 3]);
     const NoiseRow& middle = rows[y % 3U];
     JoinRows({&rows[(y + 2U) % 3], &middle, is_last ? &outside : &rows[(y + 1U) % 3]}, width, across, around);
+    visit(y, middle, around);
+  }
+}
+
+// The fraction of impulses in flat regions: of salt among pixels dark enough for it, plus of pepper among pixels bright
+// enough. In flat regions isolated outliers are noise; elsewhere also thin lines, leaves and print.
+double ImpulseFraction(const cv::Mat& grey, const cv::Mat& median) {
+  FlatCounts salt;
+  FlatCounts pepper;
+  VisitRows(grey, median, [&](int y, const NoiseRow& middle, const NoiseRow& around) {
     const auto count = [&](uchar invert, std::vector<uchar> NoiseRow::* of, FlatCounts& counts) {
-      CountImpulses(width, median.ptr(y), invert, around.highest.data(), around.lowest.data(), (middle.*of).data() + 1,
-                    (around.*of).data(), counts);
+      CountImpulses(static_cast<std::size_t>(grey.cols), median.ptr(y), invert, around.highest.data(),
+                    around.lowest.data(), (middle.*of).data() + 1, (around.*of).data(), counts);
     };
     count(255, &NoiseRow::above, salt);
     count(0, &NoiseRow::below, pepper);
-  }
+  });
   const double min_candidates = kMinFlatFraction * static_cast<double>(grey.total());
   return salt.Fraction(min_candidates) + pepper.Fraction(min_candidates);
+}
+
+// Which pixels are impulses: those at most `reach` grey levels from black (pepper) or white (salt) that differ from the
+// median.
+struct ImpulseRule {
+  int reach = 255;
+  int min_deviation = kMinDeviation;  // from the 3 x 3 median; twice that from the 5 x 5 median, for pairs of impulses
+};
+
+// @param distances  how many impulses lie so far from black or white
+std::optional<ImpulseRule> RuleFrom(const std::array<std::size_t, 256>& distances) {
+  const auto count = std::accumulate(distances.begin(), distances.end(), std::size_t{0});
+  if (count < kMinImpulses) return std::nullopt;
+  std::size_t within = 0;
+  int distance = -1;
+  while (static_cast<double>(within) < kLevelQuantile * static_cast<double>(count)) {
+    within += distances[static_cast<std::size_t>(++distance)];
+  }
+  const int reach = 2 * distance + kLevelMargin;
+  return reach <= kMaxLevelReach ? ImpulseRule{reach, kMinKnownDeviation} : ImpulseRule{};
+}
+
+struct ImpulseRules {
+  ImpulseRule pepper;
+  ImpulseRule salt;
+};
+
+// From the impulses that ImpulseFraction counts. Where flat regions show one kind only, as in snow or at night, the
+// other has the same rule.
+ImpulseRules FindImpulseRules(const cv::Mat& grey, const cv::Mat& median) {
+  std::array<std::size_t, 256> pepper_distances{};
+  std::array<std::size_t, 256> salt_distances{};
+  VisitRows(grey, median, [&](int y, const NoiseRow& middle, const NoiseRow& around) {
+    const uchar* const levels = grey.ptr(y);
+    for (std::size_t x = 0; x < static_cast<std::size_t>(grey.cols); ++x) {
+      if ((middle.below[x + 1] | middle.above[x + 1]) == 0) continue;
+      if (around.highest[x] - around.lowest[x] >= kMaxFlatRange) continue;
+      const bool is_pepper = middle.below[x + 1] != 0;
+      if ((is_pepper ? around.below[x] : around.above[x]) > 1 + kMaxSetNeighbours) continue;
+      ++(is_pepper ? pepper_distances[levels[x]] : salt_distances[255U - levels[x]]);
+    }
+  });
+  const std::optional<ImpulseRule> pepper = RuleFrom(pepper_distances);
+  const std::optional<ImpulseRule> salt = RuleFrom(salt_distances);
+  return {.pepper = pepper.value_or(salt.value_or(ImpulseRule{})),
+          .salt = salt.value_or(pepper.value_or(ImpulseRule{}))};
+}
+
+void MarkImpulses(std::size_t count, const ImpulseRules& rules, const uchar* __restrict grey,
+                  const uchar* __restrict median, const uchar* __restrict wider, uchar* __restrict marks) {
+  const ImpulseRule pepper = rules.pepper;
+  const ImpulseRule salt = rules.salt;
+  for (std::size_t x = 0; x < count; ++x) {
+    const int below = median[x] - grey[x];
+    const int wider_below = wider[x] - grey[x];
+    const bool is_pepper =
+        (below > pepper.min_deviation || wider_below > 2 * pepper.min_deviation) & (grey[x] <= pepper.reach);
+    const bool is_salt =
+        (-below > salt.min_deviation || -wider_below > 2 * salt.min_deviation) & (grey[x] >= 255 - salt.reach);
+    marks[x] = is_pepper || is_salt ? 255 : 0;
+  }
+}
+
+// Mask: 255 at impulses. Their levels distinguish them from lines, leaves and print.
+// @param median  3 x 3 median of `grey`
+cv::Mat DetectImpulses(const cv::Mat& grey, const cv::Mat& median) {
+  const ImpulseRules rules = FindImpulseRules(grey, median);
+  cv::Mat wider;
+  cv::medianBlur(grey, wider, 5);
+  cv::Mat impulses(grey.size(), CV_8U);
+  for (int y = 0; y < grey.rows; ++y) {
+    MarkImpulses(static_cast<std::size_t>(grey.cols), rules, grey.ptr(y), median.ptr(y), wider.ptr(y), impulses.ptr(y));
+  }
+  return impulses;
 }
 
 // The mean of the nearest clean pixels, weighted by 1 / distance^2; the pixel itself if none is within kMaxReach.

@@ -23,12 +23,16 @@ cv::Mat Hills() {
   return image;
 }
 
-cv::Mat WithSaltAndPepper(cv::Mat image, double share) {
+// @param spread  grey levels that an impulse may be from black or white, as after compression
+cv::Mat WithSaltAndPepper(cv::Mat image, double share, std::uint32_t spread = 0) {
   Random random(1);
+  const auto impulse = [&] {
+    const int off = spread > 0 ? static_cast<int>(random.Below(spread)) : 0;
+    return static_cast<uchar>(random.Below(2) == 0 ? off : 255 - off);
+  };
   for (int i = 0; i < share * static_cast<double>(image.total()); ++i) {
     image.at<uchar>(static_cast<int>(random.Below(static_cast<std::uint32_t>(image.rows))),
-                    static_cast<int>(random.Below(static_cast<std::uint32_t>(image.cols)))) =
-        random.Below(2) == 0 ? 0 : 255;
+                    static_cast<int>(random.Below(static_cast<std::uint32_t>(image.cols)))) = impulse();
   }
   return image;
 }
@@ -42,6 +46,53 @@ TEST(ImpulseNoise, RemovesSaltAndPepper) {
         cv::norm(RemoveImpulses(noisy, 0.015), clean, cv::NORM_L1) / static_cast<double>(clean.total());
     EXPECT_LT(after, before / 15) << share;
   }
+}
+
+// Thin lines differ from their surroundings as much as impulses do, but are neither black nor white.
+TEST(ImpulseNoise, KeepsLinesBesideImpulses) {
+  cv::Mat clean(240, 320, CV_8UC1, cv::Scalar(150));
+  for (int i = 0; i < 10; ++i) cv::line(clean, {10 + 30 * i, 5}, {20 + 30 * i, 235}, cv::Scalar(i % 2 == 0 ? 95 : 205));
+  for (const std::uint32_t spread : {0U, 20U}) {
+    const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.07, spread);
+    const cv::Mat cleaned = RemoveImpulses(noisy, 0.015);
+    const cv::Mat lines = (clean != 150) & (noisy == clean);
+    const cv::Mat changed = cleaned != clean;
+    EXPECT_EQ(cv::countNonZero(changed & lines), 0) << spread;
+    EXPECT_LT(cv::norm(cleaned, clean, cv::NORM_L1), cv::norm(noisy, clean, cv::NORM_L1) / 15) << spread;
+  }
+}
+
+// A bright line on a black surface may be as dark as pepper is.
+TEST(ImpulseNoise, KeepsLinesAsDarkAsPepper) {
+  cv::Mat clean(240, 320, CV_8UC1, cv::Scalar(150));
+  const cv::Rect black(100, 60, 120, 120);
+  clean(black).setTo(5);
+  cv::line(clean, {110, 80}, {200, 160}, cv::Scalar(36));
+  const cv::Mat noisy = WithSaltAndPepper(clean.clone(), 0.07, 20);
+  const cv::Mat line = (clean == 36) & (noisy == clean);
+  const cv::Mat changed = RemoveImpulses(noisy, 0.015) != clean;
+  EXPECT_EQ(cv::countNonZero(changed & line), 0);
+}
+
+// In snow flat regions show pepper only.
+TEST(ImpulseNoise, RemovesSaltFromDarkDetailsInSnow) {
+  cv::Mat clean(240, 320, CV_8UC1, cv::Scalar(235));
+  const cv::Rect dark(100, 60, 100, 100);
+  for (int y = dark.y; y < dark.br().y; ++y) {
+    for (int x = dark.x; x < dark.br().x; ++x)
+      clean.at<uchar>(y, x) = static_cast<uchar>(40 + 30 * ((x / 3 + y / 3) % 2));
+  }
+  const cv::Mat cleaned = RemoveImpulses(WithSaltAndPepper(clean.clone(), 0.07), 0.015);
+  EXPECT_EQ(cv::countNonZero(cleaned(dark) > 200), 0);
+}
+
+// Pepper on a dark surface, which few grey levels separate from it, is known by its level elsewhere.
+TEST(ImpulseNoise, RemovesPepperFromDarkSurfaces) {
+  cv::Mat clean = Hills();
+  const cv::Rect dark(40, 30, 60, 50);
+  clean(dark).setTo(28);
+  const cv::Mat cleaned = RemoveImpulses(WithSaltAndPepper(clean.clone(), 0.07), 0.015);
+  EXPECT_EQ(cv::countNonZero(cleaned(dark) < 20), 0);
 }
 
 TEST(ImpulseNoise, FromAFractionOfOneOnNothingIsRemoved) {

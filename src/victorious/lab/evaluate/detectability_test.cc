@@ -53,7 +53,7 @@ TEST(Detectability, NoiseLowersTheDetectionRate) {
   DetectabilityOptions options = Few(100);
   const Detectability without_noise = Measure(testing::SmallCadModel(), options).value();
   EXPECT_FALSE(without_noise.without_noise);
-  options.noise = 0.6;
+  options.noise = 0.9;
   const Detectability noisy = Measure(testing::SmallCadModel(), options).value();
   EXPECT_LT(noisy.rate.found, without_noise.rate.found);
   ASSERT_TRUE(noisy.without_noise);
