@@ -14,11 +14,12 @@ namespace victorious {
 namespace {
 
 // Chosen on renderings with salt-and-pepper noise (`simulate`, compressed as video); not fitted.
-constexpr int kMinDeviation = 35;       // grey levels of an impulse of unknown level from its 3 x 3 median
-constexpr int kMinKnownDeviation = 20;  // of one at the level of impulses
-constexpr double kLevelQuantile = 0.9;  // of the distances of impulses from black or white
-constexpr int kLevelMargin = 10;        // grey levels beyond twice that quantile
-constexpr int kMaxLevelReach = 60;      // grey levels from black or white: details of a frame are there, too, beyond it
+// Grey levels of an impulse of unknown level from its 3 x 3 median; lower values detect codec ringing around one.
+constexpr int kMinDeviation = 35;
+constexpr int kMinKnownDeviation = 20;     // of one at the level of impulses, which ringing does not reach
+constexpr double kLevelQuantile = 0.9;     // of the distances of impulses from black or white
+constexpr int kLevelMargin = 10;           // grey levels beyond twice that quantile
+constexpr int kMaxLevelReach = 60;         // grey levels from black or white; details have the levels beyond, too
 constexpr std::size_t kMinImpulses = 30;   // that show a level
 constexpr int kMaxReach = 3;               // px, radius of the pixels that replace an impulse
 constexpr int kMaxSetNeighbours = 1;       // an isolated pixel has at most so many among its eight
@@ -89,7 +90,12 @@ struct FlatCounts {
   }
 };
 
-// An impulse is an outlier with at most kMaxSetNeighbours others around.
+bool IsFlat(uchar highest, uchar lowest) { return static_cast<uchar>(highest - lowest) < kMaxFlatRange; }
+
+// @param outliers_around  with the outlier itself
+bool IsIsolated(uchar outliers_around) { return outliers_around <= 1 + kMaxSetNeighbours; }
+
+// An impulse is an isolated outlier.
 // @param invert  255: for brighter outliers, of dark pixels; 0: for darker ones
 void CountImpulses(std::size_t count, const uchar* __restrict median, uchar invert, const uchar* __restrict highest,
                    const uchar* __restrict lowest, const uchar* __restrict outliers,
@@ -98,10 +104,9 @@ void CountImpulses(std::size_t count, const uchar* __restrict median, uchar inve
   std::uint32_t impulses = 0;
   for (std::size_t x = 0; x < count; ++x) {
     const uchar headroom = median[x] ^ invert;
-    const auto range = static_cast<uchar>(highest[x] - lowest[x]);
-    const uchar is_candidate = (range < kMaxFlatRange ? 1 : 0) & (headroom > kMinDeviation ? 1 : 0);
+    const uchar is_candidate = (IsFlat(highest[x], lowest[x]) ? 1 : 0) & (headroom > kMinDeviation ? 1 : 0);
     candidates += is_candidate;
-    impulses += is_candidate & outliers[x] & (outliers_around[x] <= 1 + kMaxSetNeighbours ? 1 : 0);
+    impulses += is_candidate & outliers[x] & (IsIsolated(outliers_around[x]) ? 1 : 0);
   }
   counts.candidates += candidates;
   counts.impulses += impulses;
@@ -142,11 +147,15 @@ double ImpulseFraction(const cv::Mat& grey, const cv::Mat& median) {
   return salt.Fraction(min_candidates) + pepper.Fraction(min_candidates);
 }
 
-// Which pixels are impulses: those at most `reach` grey levels from black (pepper) or white (salt) that differ from the
-// median.
+// Which pixels are impulses of one kind: those at most `reach` grey levels from black (or white) that differ towards it
+// from the median.
 struct ImpulseRule {
   int reach = 255;
   int min_deviation = kMinDeviation;  // from the 3 x 3 median; twice that from the 5 x 5 median, for pairs of impulses
+
+  [[nodiscard]] bool Matches(int distance, int deviation, int wider_deviation) const {
+    return (deviation > min_deviation || wider_deviation > 2 * min_deviation) & (distance <= reach);
+  }
 };
 
 // @param distances  how many impulses lie so far from black or white
@@ -175,10 +184,10 @@ ImpulseRules FindImpulseRules(const cv::Mat& grey, const cv::Mat& median) {
   VisitRows(grey, median, [&](int y, const NoiseRow& middle, const NoiseRow& around) {
     const uchar* const levels = grey.ptr(y);
     for (std::size_t x = 0; x < static_cast<std::size_t>(grey.cols); ++x) {
-      if ((middle.below[x + 1] | middle.above[x + 1]) == 0) continue;
-      if (around.highest[x] - around.lowest[x] >= kMaxFlatRange) continue;
       const bool is_pepper = middle.below[x + 1] != 0;
-      if ((is_pepper ? around.below[x] : around.above[x]) > 1 + kMaxSetNeighbours) continue;
+      if (!is_pepper && middle.above[x + 1] == 0) continue;
+      if (!IsFlat(around.highest[x], around.lowest[x])) continue;
+      if (!IsIsolated(is_pepper ? around.below[x] : around.above[x])) continue;
       ++(is_pepper ? pepper_distances[levels[x]] : salt_distances[255U - levels[x]]);
     }
   });
@@ -188,18 +197,16 @@ ImpulseRules FindImpulseRules(const cv::Mat& grey, const cv::Mat& median) {
           .salt = salt.value_or(pepper.value_or(ImpulseRule{}))};
 }
 
+// @param wider  5 x 5 median
 void MarkImpulses(std::size_t count, const ImpulseRules& rules, const uchar* __restrict grey,
                   const uchar* __restrict median, const uchar* __restrict wider, uchar* __restrict marks) {
-  const ImpulseRule pepper = rules.pepper;
-  const ImpulseRule salt = rules.salt;
+  const auto [pepper, salt] = rules;
   for (std::size_t x = 0; x < count; ++x) {
     const int below = median[x] - grey[x];
     const int wider_below = wider[x] - grey[x];
-    const bool is_pepper =
-        (below > pepper.min_deviation || wider_below > 2 * pepper.min_deviation) & (grey[x] <= pepper.reach);
-    const bool is_salt =
-        (-below > salt.min_deviation || -wider_below > 2 * salt.min_deviation) & (grey[x] >= 255 - salt.reach);
-    marks[x] = is_pepper || is_salt ? 255 : 0;
+    const bool is_impulse =
+        pepper.Matches(grey[x], below, wider_below) || salt.Matches(255 - grey[x], -below, -wider_below);
+    marks[x] = is_impulse ? 255 : 0;
   }
 }
 

@@ -20,7 +20,7 @@ inline constexpr double kDefaultImpulseFraction = 0.015;
 ///                      and from 1 on always, without a count. Flat regions decide, because lines, leaves and print
 ///                      produce outliers elsewhere.
 /// @return CV_8UC1 of the same size; an unchanged image shares the memory of `grey`
-/// Cost: for 640 x 480 pixels about 2 ms, of a frame without impulses 0.3 ms.
+/// Cost: for 640 x 480 pixels 3 ms with 7 % of impulses, 7 ms with 15 %, 0.4 ms without.
 cv::Mat RemoveImpulses(const cv::Mat& grey, double min_fraction);
 
 }  // namespace victorious
