@@ -14,15 +14,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "testing/data.h"
-#include "testing/small_cad_model.h"
-#include "victorious/base/random.h"
+#include "testing/plain_scene.h"
 #include "victorious/geometry/angles.h"
 #include "victorious/geometry/box.h"
-#include "victorious/object/model/cad_model.h"
 #include "victorious/object/model/relit_template_folder.h"
 #include "victorious/object/model/relit_views.h"
-#include "victorious/object/model/view_surface.h"
-#include "victorious/object/render/relight.h"
 #include "victorious/search/recognize/model_shape_search.h"
 #include "victorious/search/recognize/shape_templates.h"
 #include "victorious/search/recognize/upright_part.h"
@@ -30,105 +26,20 @@
 namespace victorious {
 namespace {
 
-constexpr double kOffNadir_deg = 40;
-constexpr double kHfov_rad = 0.3;
-constexpr double kShown = 0.5;  // size of the object in the scene over that in the view
+using testing::DrawFields;
+using testing::kOffNadirOfScene_deg;
+using testing::PlainModel;
+using testing::PlainScene;
 
-const ObjectModel& Model() {
-  static const ObjectModel model = testing::MakeSmallCadModel({.step_deg = 10, .max_off_nadir_deg = 50});
-  return model;
-}
-
-// Directions between those of the model.
-const ObjectModel& Shown() {
-  static const ObjectModel model = testing::MakeSmallCadModel({.step_deg = 40, .max_off_nadir_deg = kOffNadir_deg});
-  return model;
-}
-
-// Fields: overlapping rectangles of different greys, turned, with noise.
-cv::Mat Fields(std::uint64_t seed) {
-  Random random(seed);
-  cv::Mat grey(480, 640, CV_8U, cv::Scalar(120));
-  for (int i = 0; i < 60; ++i) {
-    const cv::Point2f centre(static_cast<float>(random.Uniform(0, 640)), static_cast<float>(random.Uniform(0, 480)));
-    const cv::Size2f size(static_cast<float>(random.Uniform(40, 200)), static_cast<float>(random.Uniform(40, 200)));
-    cv::Point2f corners[4];
-    cv::RotatedRect(centre, size, static_cast<float>(random.Uniform(0, 90))).points(corners);
-    std::vector<cv::Point> polygon;
-    for (const cv::Point2f& corner : corners) polygon.emplace_back(corner);
-    cv::fillConvexPoly(grey, polygon, cv::Scalar(random.Uniform(40, 220)));
-  }
-  for (int row = 0; row < grey.rows; ++row) {
-    for (int column = 0; column < grey.cols; ++column) {
-      std::uint8_t& pixel = grey.at<std::uint8_t>(row, column);
-      pixel = cv::saturate_cast<std::uint8_t>(pixel + random.Uniform(-8, 8));
-    }
-  }
-  cv::GaussianBlur(grey, grey, {}, 0.7);
-  return grey;
-}
-
-struct PlainScene {
-  cv::Mat grey;
-  Box box;                    // of the object
-  Eigen::Vector2d centre_px;  // of its bounding box
-  double azimuth_rad = 0;
-  FrameConditions conditions;
-};
-
-// The object as view `number` of Shown() has it, in one grey under light from above, before fields.
 PlainScene SceneOfShape(std::size_t number) {
-  const ModelView& view = Shown().views[number];
-  const ViewSurface surface = DecodeSurface(view.surface, "slab").value();
-  const cv::Mat mask = surface.depth_map.depth_m == surface.depth_map.depth_m;  // not NaN
-  cv::Mat plain = cv::Mat::zeros(surface.grey.size(), CV_8U);
-  const std::vector<SurfacePoint> points = ReadSurface(surface.grey, surface.depth_map, CadModelOptions().light);
-  auto point = points.begin();
-  for (int row = 0; row < mask.rows; ++row) {
-    for (int column = 0; column < mask.cols; ++column) {
-      if (mask.at<std::uint8_t>(row, column) == 0) continue;
-      plain.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(110 + 90 * point++->normal.z());
-    }
-  }
-  PlainScene scene{.grey = Fields(number), .box = {}, .centre_px = {}, .conditions = {}};
-  const double left = 60.0 + 30 * static_cast<double>(number);
-  const cv::Matx23d map(kShown, 0, left, 0, kShown, 120);
-  cv::Mat object;
-  cv::Mat shown;
-  cv::warpAffine(plain, object, map, scene.grey.size(), cv::INTER_AREA);
-  cv::warpAffine(mask, shown, map, scene.grey.size(), cv::INTER_NEAREST);
-  object.copyTo(scene.grey, shown);
-  const cv::Rect around = cv::boundingRect(shown);
-  scene.box = {static_cast<double>(around.x), static_cast<double>(around.y), static_cast<double>(around.width),
-               static_cast<double>(around.height)};
-  const PosedCamera& camera = surface.depth_map.camera;
-  const Eigen::Vector3d centre = camera.camera_from_world.Apply(Model().box_m->center());
-  const Eigen::Vector2d in_view = camera.pinhole.Project(centre).value();
-  scene.centre_px = kShown * in_view + Eigen::Vector2d(left, 120);
-  scene.azimuth_rad = view.angles->azimuth_rad;
-  // The camera sees the place of the object at the off-nadir angle of the view, and from as far away.
-  const double focal_px = FocalLengthPx(kHfov_rad, scene.grey.cols);
-  const double below_rad = std::atan((scene.centre_px.y() - scene.grey.rows / 2.0) / focal_px);
-  const double pitch_rad = RadiansFromDegrees(kOffNadir_deg) - kPi / 2 + below_rad;
-  scene.conditions.vertical = MakeVertical({0, pitch_rad, 0}, kHfov_rad, scene.grey.cols, scene.grey.rows);
-  const Eigen::Vector3d ray = scene.conditions.vertical->pinhole.Unproject(scene.centre_px);
-  const double depth_m = focal_px / (kShown * camera.pinhole.fx / centre.z());
-  scene.conditions.height_above_ground_m =
-      Model().box_m->sizes().z() / 2 - depth_m * scene.conditions.vertical->up_in_camera.dot(ray);
-  return scene;
+  return testing::MakePlainScene(number, DrawFields(number), 60.0 + 30 * static_cast<double>(number));
 }
 
 class ShapeSearchTest : public ::testing::Test {
  protected:
-  ShapeSearchTest() : surfaces_{MakeRelitViews(Model()).value()}, search_({&Model(), 1}, surfaces_, Background()) {}
-
-  static std::vector<GradientCells> Background() {
-    std::vector<GradientCells> cells;
-    for (const std::uint64_t seed : {101, 102}) {
-      for (GradientCells& one : BackgroundCells(Fields(seed))) cells.push_back(std::move(one));
-    }
-    return cells;
-  }
+  ShapeSearchTest()
+      : surfaces_{MakeRelitViews(PlainModel()).value()},
+        search_({&PlainModel(), 1}, surfaces_, testing::CellsOfFields()) {}
 
   std::vector<ShapeMatch> Find(const cv::Mat& grey, const FrameConditions& conditions, double decades = 4) {
     return search_.Find(grey, conditions, decades).value();
@@ -151,7 +62,7 @@ TEST_F(ShapeSearchTest, FindsAnObjectOfOneGrey) {
 TEST_F(ShapeSearchTest, FindsNothingWhereThereIsNone) {
   const PlainScene scene = SceneOfShape(2);
   for (const std::uint64_t seed : {11, 12, 13}) {
-    EXPECT_TRUE(Find(Fields(seed), scene.conditions).empty()) << seed;
+    EXPECT_TRUE(Find(DrawFields(seed), scene.conditions).empty()) << seed;
   }
 }
 
@@ -173,7 +84,7 @@ TEST_F(ShapeSearchTest, FindsAnObjectOfAnySizeWithoutACamera) {
   ASSERT_FALSE(found.empty());
   EXPECT_LT((found[0].centre_px - scene.centre_px).norm(), 6);
   EXPECT_NEAR(found[0].pixels_per_m / known[0].pixels_per_m, 1, 0.12);
-  EXPECT_NEAR(found[0].to_camera.off_nadir_rad, RadiansFromDegrees(kOffNadir_deg), RadiansFromDegrees(11));
+  EXPECT_NEAR(found[0].to_camera.off_nadir_rad, RadiansFromDegrees(kOffNadirOfScene_deg), RadiansFromDegrees(11));
   EXPECT_LT(found[0].neg_log10_nfa, kDecadesPerResponse * (found[0].response - kResponseOfOneFalseAlarm) - 1)
       << "many views were tried";
 }
@@ -217,8 +128,8 @@ TEST_F(ShapeSearchTest, StripesThatLeaveTheFrameAreNoPlaces) {
       cv::rectangle(grey, {x, y, side, kLength}, cv::Scalar(220), cv::FILLED);
     }
   }
-  const ShapeSearch::Templates templates({&Model(), 1}, surfaces_, Background());
-  const ModelShapeSearch search(0, Model(), templates);
+  const ShapeSearch::Templates templates({&PlainModel(), 1}, surfaces_, testing::CellsOfFields());
+  const ModelShapeSearch search(0, PlainModel(), templates);
   const FramePyramid frame(grey);
   for (const FrameTile& tile : DivideFrame(*scene.conditions.vertical, grey.size())) {
     EXPECT_EQ(search.FindPlaces(frame, scene.conditions, tile).value().size(), 0U) << tile.part;
@@ -235,7 +146,7 @@ TEST_F(ShapeSearchTest, FindsAnObjectAgain) {
   ASSERT_TRUE(again.has_value());
   EXPECT_LT((again->centre_px - scene.centre_px).norm(), 5);
   EXPECT_GT(again->neg_log10_nfa, first[0].neg_log10_nfa);
-  EXPECT_FALSE(search_.FindAgain(Fields(11), scene.conditions, last, {0, 0}).value().has_value());
+  EXPECT_FALSE(search_.FindAgain(DrawFields(11), scene.conditions, last, {0, 0}).value().has_value());
 }
 
 TEST_F(ShapeSearchTest, FindsNoObjectOfAnotherSize) {
@@ -274,9 +185,9 @@ TEST_F(ShapeSearchTest, FindsTheSameWithTemplatesFromDisk) {
   ASSERT_FALSE(drawn.empty());
   const testing::ScratchFolder folder;
   const RelitTemplateFolder kept(folder.path(), "build");
-  const std::vector<ObjectModel> models = {Model()};
+  const std::vector<ObjectModel> models = {PlainModel()};
   const auto find = [&] {
-    return ShapeSearch(models, MakeRelitViews(models, &kept).value(), Background())
+    return ShapeSearch(models, MakeRelitViews(models, &kept).value(), testing::CellsOfFields())
         .Find(scene.grey, scene.conditions, -10)
         .value();
   };
