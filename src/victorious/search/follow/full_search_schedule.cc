@@ -1,11 +1,9 @@
 #include "victorious/search/follow/full_search_schedule.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include <Eigen/Core>
-
+#include "victorious/search/follow/image_motion.h"
 #include "victorious/types/searched_frames.h"
 
 namespace victorious {
@@ -16,18 +14,6 @@ constexpr double kMaxInterval_s = 1;
 constexpr std::size_t kViewParts = 3;
 constexpr double kScheduleRounding_s = 1e-3;
 constexpr double kFrameRounding = 0.5;
-
-// The farthest that a corner of the frame, or its centre, has moved, as a fraction of the diagonal.
-double MotionOf(const Similarity2& now_from_searched, const cv::Size& size) {
-  const Eigen::Vector2d diagonal(size.width, size.height);
-  const std::array<Eigen::Vector2d, 5> points = {Eigen::Vector2d::Zero(), Eigen::Vector2d(size.width, 0),
-                                                 Eigen::Vector2d(0, size.height), diagonal, diagonal / 2};
-  double farthest_px = 0;
-  for (const Eigen::Vector2d& point : points) {
-    farthest_px = std::max(farthest_px, (now_from_searched.Apply(point) - point).norm());
-  }
-  return farthest_px / diagonal.norm();
-}
 
 }  // namespace
 
@@ -65,7 +51,7 @@ bool FullSearchSchedule::Enter(const Frame& frame, const std::optional<Similarit
   const auto frames = static_cast<double>(frame.index - searched_frame_);
   if (spacing > 1 && frames + kFrameRounding < spacing * interval_) return false;
   return frame.time_s - searched_time_s_ > longer * kMaxInterval_s - kScheduleRounding_s ||
-         MotionOf(*now_from_searched_, frame.image.size()) >= longer * kMinMotion;
+         FractionMoved(*now_from_searched_, frame.image.size()) >= longer * kMinMotion;
 }
 
 ViewPart FullSearchSchedule::SetSearched(const Frame& frame, bool is_first) {
