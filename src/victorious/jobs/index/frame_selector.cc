@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "victorious/base/stage_time.h"
-#include "victorious/jobs/index/shape_detections.h"
 #include "victorious/place/calibrate/sun_direction.h"
 
 namespace victorious {

@@ -13,6 +13,7 @@
 #include "victorious/jobs/index/search_pace.h"
 #include "victorious/jobs/index/search_part_writer.h"
 #include "victorious/jobs/index/search_scale.h"
+#include "victorious/jobs/index/shape_detections.h"
 #include "victorious/search/follow/backward_follower.h"
 #include "victorious/search/follow/full_search_schedule.h"
 #include "victorious/search/recognize/view_part.h"
@@ -46,6 +47,8 @@ struct FrameWork {
   FeatureSet features;
   FeatureSet kept;  ///< set with `keep`
   std::vector<Detection> detections;
+  std::vector<ShapeDetection> shape_detections;  ///< those that count join the others when the frame is tracked
+  std::vector<Detection> undecided;              ///< by shape: later frames may decide, until then they do not count
   std::vector<FoundCategory> categories;
   std::vector<SightingRecord> sightings;
 };

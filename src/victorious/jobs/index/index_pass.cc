@@ -20,6 +20,7 @@
 #include "victorious/jobs/index/grow_results.h"
 #include "victorious/jobs/index/search_pace.h"
 #include "victorious/jobs/index/search_part_writer.h"
+#include "victorious/jobs/index/shape_decision.h"
 #include "victorious/jobs/index/shape_detections.h"
 #include "victorious/place/associate/tracklet_linker.h"
 #include "victorious/place/observe/bearing_observation.h"
@@ -108,8 +109,9 @@ Status Search(const IndexPass& pass, FrameWork& work) {
   VICTORIOUS_ASSIGN_OR_RETURN(work.detections,
                               pass.recognizer.Recognize(work.features, work.now.conditions, image, work.views));
   if (!work.by_shape) return {};
-  return AddShapeDetections(*pass.shapes, image, work.now.conditions, pass.options.recognize.detect, work.features,
-                            work.detections);
+  VICTORIOUS_ASSIGN_OR_RETURN(work.shape_detections, FindByShape(*pass.shapes, image, work.now.conditions,
+                                                                 pass.options.recognize.detect, work.features));
+  return {};
 }
 
 // Links and stores, in the order of frames. Serial.
@@ -340,7 +342,8 @@ class TrackingStage {
       const StageScope scope(Stage::kTracking);
       if (!task.motion_only) VICTORIOUS_RETURN_IF_ERROR(Track(task));
       if (!task.motion_only && FollowsCategories(pass_)) FollowCategoriesOf(task);
-      task.features = {};
+      if (task.undecided.empty()) task.features = {};
+      task.features.descriptors.clear();
     }
     const std::size_t image_bytes = now.frame.image.total() * now.frame.image.elemSize();
     const std::size_t max_held = follower_ && !is_live_ ? HeldFrameCount(pass_.follow, image_bytes) : 0;
@@ -373,6 +376,9 @@ class TrackingStage {
 
   // Sets the objects of a frame, and adds to those of the held frames.
   Status Track(FrameWork& task) {
+    std::vector<const FrameWork*> held_before;
+    for (const HeldFrame& held : held_) held_before.push_back(&held.tracked);
+    VICTORIOUS_RETURN_IF_ERROR(AddShapeDetections(pass_, held_before, task));
     FollowedFrame& now = task.now;
     if (!follower_) {
       for (const Detection& detection : task.detections) {

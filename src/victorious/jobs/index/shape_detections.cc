@@ -1,7 +1,9 @@
 #include "victorious/jobs/index/shape_detections.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -11,6 +13,20 @@
 
 namespace victorious {
 namespace {
+
+// Weaker matches of one frame are not looked for in the frames before.
+constexpr double kMinDecadesOfWeak = 1;
+// In one frame, more than what is no vehicle has: in the flights of docs/adr/0050 up to 7.7.
+constexpr double kDecadesBeyondDoubt = 8;
+
+// Both cannot stand there, also if one is much smaller.
+bool Exclude(const Detection& a, const Detection& b) {
+  constexpr double kMinDistance = 0.4;  // over the smaller one's size
+  const auto size_px = [](const Box& box) { return std::hypot(box.width, box.height); };
+  const double x = a.box.x + a.box.width / 2 - b.box.x - b.box.width / 2;
+  const double y = a.box.y + a.box.height / 2 - b.box.y - b.box.height / 2;
+  return std::hypot(x, y) < kMinDistance * std::min(size_px(a.box), size_px(b.box));
+}
 
 bool AreInOnePlace(const Detection& a, const Detection& b) {
   constexpr double kMinOverlap = 0.3;
@@ -34,21 +50,59 @@ double ShapeSearchInterval(const ShapeSearchOptions& options, const FollowOption
   return std::min(spacing * options.interval_s, kMargin * follow.track.unconfirmed_frames / tracked_rate);
 }
 
-Status AddShapeDetections(const ShapeSearch& shapes, const cv::Mat& image, const FrameConditions& conditions,
-                          const DetectOptions& options, FeatureSet& features, std::vector<Detection>& detections) {
+Expected<std::vector<ShapeDetection>> FindByShape(const ShapeSearch& shapes, const cv::Mat& image,
+                                                  const FrameConditions& conditions, const DetectOptions& options,
+                                                  FeatureSet& features) {
   const StageScope scope(Stage::kShape);
+  const double min_alone = NegLog10NfaOf(options.min_score);
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ShapeMatch> matches,
-                              shapes.Find(image, conditions, NegLog10NfaOf(options.min_score)));
-  const Box frame = FrameBox(image.cols, image.rows);
+                              shapes.Find(image, conditions, std::min(kMinDecadesOfWeak, min_alone)));
+  std::vector<ShapeMatch> kept;
+  std::ranges::copy_if(matches, std::back_inserter(kept),
+                       [&](const ShapeMatch& match) { return match.is_examined || match.neg_log10_nfa >= min_alone; });
   std::vector<ShapeDetection> by_shape;
+  VICTORIOUS_RETURN_IF_ERROR(AddMatches(shapes, kept, options, features, by_shape));
+  return by_shape;
+}
+
+Status AddMatches(const ShapeSearch& shapes, std::span<const ShapeMatch> matches, const DetectOptions& options,
+                  FeatureSet& features, std::vector<ShapeDetection>& by_shape) {
+  const Box frame = FrameBox(features.image_width, features.image_height);
   for (const ShapeMatch& match : matches) {
     VICTORIOUS_ASSIGN_OR_RETURN(Detection detection, shapes.MakeDetection(match, features));
     if (FractionInside(detection.outline, frame) < options.min_in_view) continue;
     if (std::min(detection.box.width, detection.box.height) < options.min_side_px) continue;
-    by_shape.push_back({.detection = std::move(detection), .is_examined = match.is_examined});
+    by_shape.push_back({.detection = std::move(detection), .is_examined = match.is_examined, .before = {}});
   }
-  JoinDetections(std::move(by_shape), detections);
   return {};
+}
+
+std::vector<Detection> KeepSignificant(const DetectOptions& options, std::vector<ShapeDetection>& by_shape) {
+  const double min_neg_log10_nfa = NegLog10NfaOf(options.min_score);
+  const auto by_all = [](const ShapeDetection& one) { return one.before.NegLog10Nfa(one.detection.neg_log10_nfa); };
+  std::ranges::stable_sort(by_shape, std::greater{}, by_all);
+  std::vector<ShapeDetection> kept;
+  std::vector<Detection> undecided;
+  const auto is_free = [&](const Detection& detection) {
+    return std::ranges::none_of(kept, [&](const ShapeDetection& other) { return Exclude(other.detection, detection); });
+  };
+  for (ShapeDetection& one : by_shape) {
+    const bool is_decided_before = one.before.looks >= kMinLooksBefore;
+    double& evidence = one.detection.neg_log10_nfa;
+    if (is_decided_before && evidence < kDecadesBeyondDoubt) {
+      if (by_all(one) < min_neg_log10_nfa) continue;
+      evidence = std::max(evidence, by_all(one));
+      one.detection.score = ComputeScore(evidence);
+    }
+    if (evidence >= min_neg_log10_nfa) {
+      if (is_free(one.detection)) kept.push_back(std::move(one));
+    } else if (one.is_examined && !is_decided_before && !one.before.is_explained) {
+      undecided.push_back(std::move(one.detection));
+    }
+  }
+  std::erase_if(undecided, [&](const Detection& one) { return !is_free(one); });
+  by_shape = std::move(kept);
+  return undecided;
 }
 
 void JoinDetections(std::vector<ShapeDetection> by_shape, std::vector<Detection>& detections) {

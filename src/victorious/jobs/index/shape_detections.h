@@ -2,6 +2,7 @@
 // so, detections beside those by keypoints, and the errors of their poses.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -11,6 +12,7 @@
 #include "victorious/place/observe/object_pose.h"
 #include "victorious/search/detect/detect.h"
 #include "victorious/search/follow/follower.h"
+#include "victorious/search/follow/looks_before.h"
 #include "victorious/search/recognize/shape_search.h"
 #include "victorious/types/detection.h"
 #include "victorious/types/feature_set.h"
@@ -25,19 +27,32 @@ namespace victorious {
 [[nodiscard]] double ShapeSearchInterval(const ShapeSearchOptions& options, const FollowOptions& follow,
                                          double tracked_rate, double spacing);
 
-/// Adds what is found by shape to the detections by keypoints (JoinDetections). Their minimum score is
-/// options.min_score, too.
-/// @param image     the frame, CV_8UC1, without impulse noise
-/// @param features  of the frame; gets the points of the added detections (ShapeSearch::MakeDetection)
-/// Errors: those of ShapeSearch::Find.
-[[nodiscard]] Status AddShapeDetections(const ShapeSearch& shapes, const cv::Mat& image,
-                                        const FrameConditions& conditions, const DetectOptions& options,
-                                        FeatureSet& features, std::vector<Detection>& detections);
-
 struct ShapeDetection {
   Detection detection;
   bool is_examined = false;  ///< ShapeMatch
+  LooksBefore before;        ///< of one that is examined
 };
+
+/// What a frame shows by shape, also what is too weak to count by itself: KeepSignificant decides.
+/// @param image     the frame, CV_8UC1, without impulse noise
+/// @param features  of the frame; gets the points of the detections (ShapeSearch::MakeDetection)
+/// Errors: those of ShapeSearch::Find.
+[[nodiscard]] Expected<std::vector<ShapeDetection>> FindByShape(const ShapeSearch& shapes, const cv::Mat& image,
+                                                                const FrameConditions& conditions,
+                                                                const DetectOptions& options, FeatureSet& features);
+
+/// Adds matches in a frame to the detections, but for those that do not lie in the frame or are too small.
+/// @param features  as of FindByShape
+/// Errors: those of ShapeSearch::MakeDetection.
+[[nodiscard]] Status AddMatches(const ShapeSearch& shapes, std::span<const ShapeMatch> matches,
+                                const DetectOptions& options, FeatureSet& features,
+                                std::vector<ShapeDetection>& by_shape);
+
+/// Removes what does not reach options.min_score: by the frames before where there are enough of them (LooksBefore),
+/// else by the frame itself. What is beyond doubt in the frame itself stays in any case: trees may have hidden it. Of
+/// several in one place the one with the most evidence of all frames stays.
+/// @return what later frames may decide: examined, without enough frames before, and nothing stands there
+std::vector<Detection> KeepSignificant(const DetectOptions& options, std::vector<ShapeDetection>& by_shape);
 
 /// Joins detections by shape to those by keypoints, by falling score. Of two of one model in one place the one
 /// with more evidence stays, but one by shape that was not examined never replaces one by keypoints. One by shape with

@@ -36,7 +36,7 @@ Detection DetectionAt(std::size_t model, double x_px, double decades) {
 
 TEST(JoinDetections, OfOneModelTheOneWithMoreEvidenceStays) {
   std::vector<Detection> detections = {DetectionAt(0, 0, 2), DetectionAt(0, 500, 20)};
-  JoinDetections({{DetectionAt(0, 10, 5), true}, {DetectionAt(0, 490, 5), true}}, detections);
+  JoinDetections({{DetectionAt(0, 10, 5), true, {}}, {DetectionAt(0, 490, 5), true, {}}}, detections);
   ASSERT_EQ(detections.size(), 2U);
   EXPECT_EQ(detections[0].neg_log10_nfa, 20) << "by keypoints";
   EXPECT_EQ(detections[1].box.x, 10) << "by shape";
@@ -44,17 +44,76 @@ TEST(JoinDetections, OfOneModelTheOneWithMoreEvidenceStays) {
 
 TEST(JoinDetections, AShapeThatWasNotExaminedReplacesNothing) {
   std::vector<Detection> detections = {DetectionAt(0, 0, 2)};
-  JoinDetections({{DetectionAt(0, 10, 5), false}}, detections);
+  JoinDetections({{DetectionAt(0, 10, 5), false, {}}}, detections);
   ASSERT_EQ(detections.size(), 1U);
   EXPECT_EQ(detections[0].box.x, 0);
 }
 
 TEST(JoinDetections, AnotherModelIsAnotherHypothesis) {
   std::vector<Detection> detections = {DetectionAt(0, 0, 2)};
-  JoinDetections({{DetectionAt(1, 10, 5), true}, {DetectionAt(2, 0, 1), true}}, detections);
+  JoinDetections({{DetectionAt(1, 10, 5), true, {}}, {DetectionAt(2, 0, 1), true, {}}}, detections);
   ASSERT_EQ(detections.size(), 2U) << "the one with less evidence is explained";
   EXPECT_EQ(detections[0].model_index, 1U);
   EXPECT_EQ(detections[1].model_index, 0U);
+}
+
+std::vector<double> Significant(double decades, const LooksBefore& before) {
+  std::vector<ShapeDetection> by_shape = {{DetectionAt(0, 0, decades), true, before}};
+  KeepSignificant({}, by_shape);
+  std::vector<double> kept;
+  for (const ShapeDetection& one : by_shape) {
+    EXPECT_EQ(one.detection.score, ComputeScore(one.detection.neg_log10_nfa));
+    kept.push_back(one.detection.neg_log10_nfa);
+  }
+  return kept;
+}
+
+constexpr LooksBefore kSeenBefore{.looks = 4, .sum = 4 * 9.0};
+constexpr LooksBefore kMissedBefore{.looks = 4, .sum = 4 * kDecadesWhereMissed};
+
+TEST(KeepSignificant, AWeakMatchCountsWhereItWasSeenBefore) {
+  const std::vector<double> kept = Significant(1.5, kSeenBefore);
+  ASSERT_EQ(kept.size(), 1U);
+  EXPECT_DOUBLE_EQ(kept[0], (1.5 + kDecadesOfOnePlace + 36) / 5);
+  EXPECT_TRUE(Significant(1.5, {}).empty());
+  EXPECT_TRUE(Significant(1.5, kMissedBefore).empty());
+}
+
+TEST(KeepSignificant, AStrongMatchGoesWhereNothingWasSeenBefore) {
+  EXPECT_TRUE(Significant(6, kMissedBefore).empty());
+  EXPECT_EQ(Significant(6, {}), std::vector<double>{6});
+  EXPECT_EQ(Significant(30, kMissedBefore), std::vector<double>{30}) << "a tree may have hidden it";
+}
+
+TEST(KeepSignificant, FewLooksDecideNothing) {
+  LooksBefore few = kSeenBefore;
+  few.looks = kMinLooksBefore - 1;
+  EXPECT_TRUE(Significant(1.5, few).empty());
+  EXPECT_EQ(Significant(6, {.looks = kMinLooksBefore - 1, .sum = 0}), std::vector<double>{6});
+}
+
+TEST(KeepSignificant, OfTwoModelsInOnePlaceTheOneStaysThatAllFramesShowBetter) {
+  std::vector<ShapeDetection> by_shape = {{DetectionAt(0, 0, 3), true, {.looks = 4, .sum = 4 * 5.0}},
+                                          {DetectionAt(1, 10, 1.5), true, kSeenBefore},
+                                          {DetectionAt(0, 300, 5), true, {}}};
+  KeepSignificant({}, by_shape);
+  ASSERT_EQ(by_shape.size(), 2U);
+  EXPECT_EQ(by_shape[0].detection.model_index, 1U);
+  EXPECT_EQ(by_shape[1].detection.box.x, 300);
+}
+
+TEST(KeepSignificant, LaterFramesDecideWhatIsWeakAndNewWhereNothingStands) {
+  const auto undecided = [](const ShapeDetection& weak) {
+    std::vector<ShapeDetection> by_shape = {weak, {DetectionAt(1, 500, 9), true, {}}};
+    const std::size_t count = KeepSignificant({}, by_shape).size();
+    EXPECT_EQ(by_shape.size(), 1U);
+    return count;
+  };
+  EXPECT_EQ(undecided({DetectionAt(0, 0, 2), true, {}}), 1U);
+  EXPECT_EQ(undecided({DetectionAt(0, 510, 2), true, {}}), 0U) << "another model stands there";
+  EXPECT_EQ(undecided({DetectionAt(0, 0, 2), true, {.is_explained = true}}), 0U);
+  EXPECT_EQ(undecided({DetectionAt(0, 0, 2), true, kMissedBefore}), 0U) << "decided";
+  EXPECT_EQ(undecided({DetectionAt(0, 0, 2), false, {}}), 0U);
 }
 
 TEST(SetShapeErrors, RaisesWhatIsTooSmall) {

@@ -71,6 +71,10 @@ Expected<Follower> Follower::Create(const Recognizer& recognizer, const FeatureE
   return Follower(recognizer, extractor, options, order, std::move(tracker));
 }
 
+bool Follower::IsFollowed(std::int64_t track) const {
+  return std::ranges::any_of(tracks_, [&](const auto& entry) { return entry.second.number == track; });
+}
+
 void Follower::Stop(std::int64_t track) {
   const auto is_it = [&](const auto& entry) { return entry.second.number == track; };
   const auto found = std::ranges::find_if(tracks_, is_it);

@@ -107,6 +107,9 @@ class Follower {
   /// True if a track is active.
   [[nodiscard]] bool HasTracks() const { return !tracks_.empty(); }
 
+  /// True if the track of an id (ObservedObject::track) is active.
+  [[nodiscard]] bool IsFollowed(std::int64_t track) const;
+
   /// Ends the active track of an id (ObservedObject::track); without effect if there is none.
   void Stop(std::int64_t track);
 

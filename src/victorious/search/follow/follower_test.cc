@@ -55,6 +55,21 @@ class FollowerTest : public ::testing::Test {
   Recognizer recognizer_ = Recognizer::Create(flight_.Models(), FeatureOptions().engine, {}).value();
 };
 
+TEST_F(FollowerTest, ATrackIsFollowedUntilItIsStopped) {
+  cv::Mat grey;
+  cv::cvtColor(flight_.flight().Render(0).image, grey, cv::COLOR_BGR2GRAY);
+  const FeatureSet features = extractor_->Extract(grey).value();
+  const std::vector<Detection> detections = recognizer_.Recognize(features).value();
+  Follower follower = Follower::Create(recognizer_, *extractor_, {}).value();
+  const std::vector<ObservedObject> seen =
+      follower.Follow({.index = 0, .time_s = 0, .image = grey}, FullFrameResult{features, detections}, {}).value();
+  ASSERT_FALSE(seen.empty());
+  ASSERT_TRUE(seen[0].track);
+  EXPECT_TRUE(follower.IsFollowed(*seen[0].track));
+  follower.Stop(*seen[0].track);
+  EXPECT_FALSE(follower.IsFollowed(*seen[0].track));
+}
+
 TEST_F(FollowerTest, ObjectsAreRecognisedInTheirRegionsBetweenFullFrames) {
   const Frames frames = FollowAll(6, {});
   ASSERT_GT(frames.truths, 10);

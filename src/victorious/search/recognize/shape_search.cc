@@ -100,7 +100,7 @@ const FrameConditions* ShapeSearch::CameraOf(const FrameConditions& conditions) 
 ModelShapeSearch ShapeSearch::SearchFor(std::size_t model) const { return {model, models_[model], *templates_}; }
 
 // The best places of each model, searched again with fine templates; of several matches in one place the most
-// significant one.
+// significant one, or one of each model where the camera is known.
 // @param parts            results a model in `found`
 // @param decades_assumed  what is lost by assuming the view or the camera; 0: it is known
 Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& frame, const FrameConditions& conditions,
@@ -119,7 +119,7 @@ Expected<std::vector<ShapeMatch>> ShapeSearch::RefineBest(const FramePyramid& fr
     if (!one) return std::unexpected(std::move(one).error());
     if (*one) all.push_back(**one);
   }
-  std::vector<ShapeMatch> kept = KeepApart(std::move(all));
+  std::vector<ShapeMatch> kept = KeepApart(std::move(all), decades_assumed > 0);
   std::erase_if(kept, [&](const ShapeMatch& match) {
     return match.neg_log10_nfa < min_neg_log10_nfa || match.in_frame < kMinInFrame;
   });
@@ -140,14 +140,16 @@ Expected<std::optional<ShapeMatch>> ShapeSearch::Judge(const FramePyramid& frame
   return examined.value_or(match);
 }
 
-// By falling significance; of several matches in one place the first one.
-std::vector<ShapeMatch> ShapeSearch::KeepApart(std::vector<ShapeMatch> all) const {
+// By falling significance; of several matches in one place the first one, or where models may share places, the first
+// one of each.
+std::vector<ShapeMatch> ShapeSearch::KeepApart(std::vector<ShapeMatch> all, bool is_place_of_one) const {
   std::ranges::stable_sort(all, std::greater{}, &ShapeMatch::neg_log10_nfa);
   std::vector<ShapeMatch> kept;
   for (const ShapeMatch& match : all) {
     const double size_px = templates_->diagonal_m(match.model_index) * match.pixels_per_m;
     const bool is_explained = std::ranges::any_of(kept, [&](const ShapeMatch& better) {
       const double other_px = templates_->diagonal_m(better.model_index) * better.pixels_per_m;
+      if (!is_place_of_one && better.model_index != match.model_index) return false;
       return (better.centre_px - match.centre_px).norm() < kSuppression * std::min(size_px, other_px);
     });
     if (!is_explained) kept.push_back(match);
@@ -224,7 +226,7 @@ std::vector<ShapeMatch> ShapeSearch::FindContours(const cv::Mat& grey, double mi
     match->neg_log10_nfa += decades_of_other_frames_;
     if (match->neg_log10_nfa >= min_neg_log10_nfa) all.push_back(ShapeMatchOf(*match, number, grey.size()));
   }
-  return KeepApart(std::move(all));
+  return KeepApart(std::move(all), true);
 }
 
 Expected<bool> ShapeSearch::SearchByContours(std::span<const cv::Mat> frames, const CancelToken& cancel) {

@@ -101,8 +101,9 @@ class ShapeSearch {
   ShapeSearch(const ShapeSearch&) = delete;
   ShapeSearch& operator=(const ShapeSearch&) = delete;
 
-  /// The matches in a frame, by falling response. Without the vertical or the height above the ground, unless they are
-  /// assumed, those by contours (SearchByContours).
+  /// The matches in a frame, by falling significance; with the vertical and the height above the ground, of several
+  /// models in one place, too: other frames decide. Without them, unless they are assumed, those by contours
+  /// (SearchByContours).
   /// @param grey               CV_8UC1, without impulse noise
   /// @param min_neg_log10_nfa  decades
   /// Errors: those of RelitTemplateSource.
@@ -145,7 +146,7 @@ class ShapeSearch {
 
  private:
   [[nodiscard]] const FrameConditions* CameraOf(const FrameConditions& conditions) const;
-  [[nodiscard]] std::vector<ShapeMatch> KeepApart(std::vector<ShapeMatch> all) const;
+  [[nodiscard]] std::vector<ShapeMatch> KeepApart(std::vector<ShapeMatch> all, bool is_place_of_one) const;
   [[nodiscard]] std::vector<ShapeMatch> FindContours(const cv::Mat& grey, double min_neg_log10_nfa) const;
   [[nodiscard]] ModelShapeSearch SearchFor(std::size_t model) const;
   [[nodiscard]] Expected<std::vector<ShapeMatch>> RefineBest(const FramePyramid& frame,
