@@ -12,14 +12,20 @@
 namespace victorious {
 namespace {
 
+// The motion of the image as filmed, in that which is searched.
+Similarity2 InSearched(Similarity2 motion, const FrameSizes& sizes) {
+  motion.translation *= static_cast<double>(sizes.searched.width) / sizes.filmed.width;
+  return motion;
+}
+
 // The nearest first, as far as the motion of the image is known.
 std::vector<FrameBefore> FramesBefore(std::span<const FrameWork* const> held, const FrameWork& task) {
   std::vector<FrameBefore> before;
   Similarity2 then_from_now;
   std::optional<Similarity2> motion = task.now_from_before;
   for (const FrameWork* then : held | std::views::reverse) {
-    if (!motion) break;
-    then_from_now = motion->Inverse() * then_from_now;
+    if (!motion || then->motion_only) break;
+    then_from_now = InSearched(*motion, task.sizes).Inverse() * then_from_now;
     before.push_back({.seen = &then->now, .then_from_now = then_from_now});
     motion = then->now_from_before;
   }
@@ -31,6 +37,7 @@ Expected<std::vector<ShapeMatch>> FindUndecided(const IndexPass& pass, std::span
                                                 const FrameWork& task) {
   std::vector<const FollowedFrame*> since = {&task.now};
   for (const FrameWork* then : held | std::views::reverse) {
+    if (then->motion_only) break;
     if (!then->by_shape) {
       since.insert(since.begin(), &then->now);
       continue;

@@ -16,6 +16,9 @@ namespace {
 
 // Weaker matches of one frame are not looked for in the frames before.
 constexpr double kMinDecadesOfWeak = 1;
+// Weak matches are many more than strong ones, and what resembles a vehicle does so in all frames: of these the looks
+// together must say more, decades (docs/adr/0050).
+constexpr double kMoreOfWeak = 1;
 // In one frame, more than what is no vehicle has: in the flights of docs/adr/0050 up to 7.7.
 constexpr double kDecadesBeyondDoubt = 8;
 
@@ -72,14 +75,25 @@ Status AddMatches(const ShapeSearch& shapes, std::span<const ShapeMatch> matches
     VICTORIOUS_ASSIGN_OR_RETURN(Detection detection, shapes.MakeDetection(match, features));
     if (FractionInside(detection.outline, frame) < options.min_in_view) continue;
     if (std::min(detection.box.width, detection.box.height) < options.min_side_px) continue;
-    by_shape.push_back({.detection = std::move(detection), .is_examined = match.is_examined, .before = {}});
+    const auto same = std::ranges::find_if(by_shape, [&](const ShapeDetection& other) {
+      return other.detection.model_index == detection.model_index && Exclude(other.detection, detection);
+    });
+    if (same == by_shape.end()) {
+      by_shape.push_back({.detection = std::move(detection), .is_examined = match.is_examined, .before = {}});
+    } else if (same->detection.neg_log10_nfa < detection.neg_log10_nfa) {
+      *same = {.detection = std::move(detection), .is_examined = match.is_examined, .before = {}};
+    }
   }
   return {};
 }
 
 std::vector<Detection> KeepSignificant(const DetectOptions& options, std::vector<ShapeDetection>& by_shape) {
   const double min_neg_log10_nfa = NegLog10NfaOf(options.min_score);
-  const auto by_all = [](const ShapeDetection& one) { return one.before.NegLog10Nfa(one.detection.neg_log10_nfa); };
+  const double beyond_doubt = std::max(kDecadesBeyondDoubt, min_neg_log10_nfa);
+  const auto by_all = [](const ShapeDetection& one) {
+    const double alone = one.detection.neg_log10_nfa;
+    return one.before.looks >= kMinLooksBefore ? one.before.NegLog10Nfa(alone) : alone;
+  };
   std::ranges::stable_sort(by_shape, std::greater{}, by_all);
   std::vector<ShapeDetection> kept;
   std::vector<Detection> undecided;
@@ -89,14 +103,15 @@ std::vector<Detection> KeepSignificant(const DetectOptions& options, std::vector
   for (ShapeDetection& one : by_shape) {
     const bool is_decided_before = one.before.looks >= kMinLooksBefore;
     double& evidence = one.detection.neg_log10_nfa;
-    if (is_decided_before && evidence < kDecadesBeyondDoubt) {
-      if (by_all(one) < min_neg_log10_nfa) continue;
+    if (is_decided_before && evidence < beyond_doubt) {
+      const bool is_weak = evidence < min_neg_log10_nfa;
+      if (by_all(one) < min_neg_log10_nfa + (is_weak ? kMoreOfWeak : 0)) continue;
       evidence = std::max(evidence, by_all(one));
       one.detection.score = ComputeScore(evidence);
     }
     if (evidence >= min_neg_log10_nfa) {
       if (is_free(one.detection)) kept.push_back(std::move(one));
-    } else if (one.is_examined && !is_decided_before && !one.before.is_explained) {
+    } else if (one.is_examined && !is_decided_before && !one.before.is_explained && evidence >= kMinDecadesOfWeak) {
       undecided.push_back(std::move(one.detection));
     }
   }

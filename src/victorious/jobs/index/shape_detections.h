@@ -41,7 +41,8 @@ struct ShapeDetection {
                                                                 const FrameConditions& conditions,
                                                                 const DetectOptions& options, FeatureSet& features);
 
-/// Adds matches in a frame to the detections, but for those that do not lie in the frame or are too small.
+/// Adds matches in a frame to the detections, but for those that do not lie in the frame or are too small. Of two of
+/// one model in one place the one with more evidence stays.
 /// @param features  as of FindByShape
 /// Errors: those of ShapeSearch::MakeDetection.
 [[nodiscard]] Status AddMatches(const ShapeSearch& shapes, std::span<const ShapeMatch> matches,
@@ -52,7 +53,8 @@ struct ShapeDetection {
 /// else by the frame itself. What is beyond doubt in the frame itself stays in any case: trees may have hidden it. Of
 /// several in one place the one with the most evidence of all frames stays.
 /// @return what later frames may decide: examined, without enough frames before, and nothing stands there
-std::vector<Detection> KeepSignificant(const DetectOptions& options, std::vector<ShapeDetection>& by_shape);
+[[nodiscard]] std::vector<Detection> KeepSignificant(const DetectOptions& options,
+                                                     std::vector<ShapeDetection>& by_shape);
 
 /// Joins detections by shape to those by keypoints, by falling score. Of two of one model in one place the one
 /// with more evidence stays, but one by shape that was not examined never replaces one by keypoints. One by shape with

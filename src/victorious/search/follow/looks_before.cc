@@ -62,10 +62,11 @@ Expected<std::vector<LooksBefore>> LookBefore(const Recognizer& recognizer, cons
     started.push_back(detections[i]);
     numbers.push_back(i);
   }
+  if (started.empty()) return found;
   VICTORIOUS_ASSIGN_OR_RETURN(const std::vector<ObservedObject> at_start,
                               follower.Follow(now.frame, FullFrameResult{features, started}, now.conditions));
   const cv::Size size = now.frame.image.size();
-  const Box filmed = FrameBox(size.width, size.height);
+  const Box frame_box = FrameBox(size.width, size.height);
   Similarity2 last_from_now;
   int looks = 0;
   for (const FrameBefore& past : before) {
@@ -81,7 +82,7 @@ Expected<std::vector<LooksBefore>> LookBefore(const Recognizer& recognizer, cons
       const auto again = std::ranges::find(seen, track, &ObservedObject::track);
       const bool is_seen = again != seen.end();
       const Polygon outline = is_seen ? again->detection.outline : Moved(started[i].outline, past.then_from_now);
-      if (!IsWhole(outline, filmed)) continue;
+      if (!IsWhole(outline, frame_box)) continue;
       const bool is_found = is_seen && !again->tracked();
       LooksBefore& of_one = found[numbers[i]];
       of_one.looks += 1;

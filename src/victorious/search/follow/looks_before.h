@@ -33,7 +33,7 @@ inline constexpr double kDecadesWhereMissed = 1;
 
 struct FrameBefore {
   const FollowedFrame* seen = nullptr;
-  Similarity2 then_from_now;  ///< motion of the image, px
+  Similarity2 then_from_now;  ///< motion of the image that is searched, px
 };
 
 /// The looks at one match in the frames before, and in the frame itself.
