@@ -342,8 +342,11 @@ class TrackingStage {
       const StageScope scope(Stage::kTracking);
       if (!task.motion_only) VICTORIOUS_RETURN_IF_ERROR(Track(task));
       if (!task.motion_only && FollowsCategories(pass_)) FollowCategoriesOf(task);
-      if (task.undecided.empty()) task.features = {};
-      task.features.descriptors.clear();
+      if (task.undecided.empty()) {
+        task.features = {};
+      } else {  // the next search by shape follows them, by their keypoints; held frames keep no descriptors
+        task.features.descriptors = std::vector<std::uint8_t>();
+      }
     }
     const std::size_t image_bytes = now.frame.image.total() * now.frame.image.elemSize();
     const std::size_t max_held = follower_ && !is_live_ ? HeldFrameCount(pass_.follow, image_bytes) : 0;

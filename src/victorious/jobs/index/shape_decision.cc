@@ -1,5 +1,6 @@
 #include "victorious/jobs/index/shape_decision.h"
 
+#include <algorithm>
 #include <optional>
 #include <ranges>
 #include <utility>
@@ -35,18 +36,16 @@ std::vector<FrameBefore> FramesBefore(std::span<const FrameWork* const> held, co
 // What the last search by shape left undecided and this frame shows again.
 Expected<std::vector<ShapeMatch>> FindUndecided(const IndexPass& pass, std::span<const FrameWork* const> held,
                                                 const FrameWork& task) {
-  std::vector<const FollowedFrame*> since = {&task.now};
-  for (const FrameWork* then : held | std::views::reverse) {
-    if (then->motion_only) break;
-    if (!then->by_shape) {
-      since.insert(since.begin(), &then->now);
-      continue;
-    }
-    if (then->undecided.empty()) break;
-    return FindFurtherOn(pass.recognizer, pass.extractor, pass.follow, then->now,
-                         FullFrameResult{then->features, then->undecided}, since, *pass.shapes);
-  }
-  return std::vector<ShapeMatch>{};
+  const auto reversed = held | std::views::reverse;
+  const auto last =
+      std::ranges::find_if(reversed, [](const FrameWork* one) { return one->motion_only || one->by_shape; });
+  if (last == reversed.end() || (*last)->motion_only || (*last)->undecided.empty()) return std::vector<ShapeMatch>{};
+  const FrameWork& then = **last;
+  std::vector<const FollowedFrame*> since;
+  for (const FrameWork* next : std::span(last.base(), held.end())) since.push_back(&next->now);
+  since.push_back(&task.now);
+  return FindFurtherOn(pass.recognizer, pass.extractor, pass.follow, then.now,
+                       FullFrameResult{then.features, then.undecided}, since, *pass.shapes);
 }
 
 Status LookBeforeEach(const IndexPass& pass, std::span<const FrameWork* const> held, FrameWork& task) {

@@ -1,8 +1,8 @@
 #include "victorious/search/follow/looks_before.h"
 
-#include <algorithm>
+#include <cstddef>
 #include <memory>
-#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
